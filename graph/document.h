@@ -9,13 +9,16 @@
 
 namespace fluidcarve {
 
-/// One `${name}` that was replaced. If it was a whole value, the new value has the mark of the param or variable.
+/// One `${name}` that was replaced. If it was a whole value, the new value has the mark of the
+/// param or variable.
 struct Insertion {
-    Mark in;  ///< the text that contains `${name}`; if it was a whole value, the list or map around it
+    Mark in;  ///< the text that contains `${name}`; if it was a whole value, the list or map around
+              ///< it
     std::string name;
 };
 
-/// A pipeline's text before node types are looked up: `extends` merged, `--set` applied, `${name}` replaced.
+/// A pipeline's text before node types are looked up: `extends` merged, `--set` applied, `${name}`
+/// replaced.
 struct Document {
     std::string name;           ///< the file, as given
     Mark mark;                  ///< the file as a whole
@@ -26,16 +29,23 @@ struct Document {
     Value provenance;           ///< null: written files state what made them
     Value plugins;              ///< null, or a list of paths; plugins of extended files come first
     std::vector<Insertion> insertions;
-    std::vector<std::pair<std::string, std::string>> environment;  ///< name and value of each variable that `env` lists and that is set
-    std::vector<std::string> command;                              ///< the words of the command line that stands for the document; empty: `run NAME`
+    std::vector<std::pair<std::string, std::string>>
+        environment;  ///< name and value of each variable that `env` lists and that is set
+    std::vector<std::string>
+        command;  ///< the words of the command line that stands for the document; empty: `run NAME`
 };
 
-/// Reads a pipeline file. Later layers win: declaration defaults < extended file < file < environment < `settings`.
-/// @param settings  the command line's `--set` texts: `node.field=value`, `param=value`, or `frames=value`
+/// Reads a pipeline file. Later layers win: declaration defaults < extended file < file <
+/// environment < `settings`.
+/// @param settings  the command line's `--set` texts: `node.field=value`, `param=value`, or
+///   `frames=value`
 /// @param problems  receives all faults of the text
-/// @param open      whether params may have no value, as those of a template that shots extend: what they would fill is not checked
-Document read_document(const std::string& path, const std::vector<std::string>& settings, Problems& problems, bool open = false);
+/// @param open      whether params may have no value, as those of a template that shots extend:
+///   what they would fill is not checked
+Document read_document(const std::string& path, const std::vector<std::string>& settings,
+                       Problems& problems, bool open = false);
 /// The same of a text that is no file. Its name is that of the document.
-Document read_document(const std::shared_ptr<const Source>& text, const std::vector<std::string>& settings, Problems& problems);
+Document read_document(const std::shared_ptr<const Source>& text,
+                       const std::vector<std::string>& settings, Problems& problems);
 
 }  // namespace fluidcarve

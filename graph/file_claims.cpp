@@ -13,13 +13,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Compares claims by their folders and names first. Only those that could meet are compared frame by frame.
+/// Compares claims by their folders and names first. Only those that could meet are compared frame
+/// by frame.
 class Claims {
 public:
-    Claims(const std::vector<FileClaim>& claims, const std::vector<int>& frames) : claims_(claims), frames_(frames) {
+    Claims(const std::vector<FileClaim>& claims, const std::vector<int>& frames)
+        : claims_(claims), frames_(frames) {
         for (const auto& claim : claims) {
             names_.push_back(claim.path.name_ends());
-            folders_.push_back(names_.back() ? resolved_folder(claim.path.at(frames.front())) : fs::path());
+            folders_.push_back(names_.back() ? resolved_folder(claim.path.at(frames.front()))
+                                             : fs::path());
         }
     }
 
@@ -34,7 +37,8 @@ public:
                     for (const auto& target : found->second) first.emplace(target.string(), n);
             if (compared[n])
                 each_file(n, [&](const fs::path& file) {
-                    const auto [found, fresh] = first.emplace((resolved_folder(file) / file.filename()).string(), n);
+                    const auto [found, fresh] =
+                        first.emplace((resolved_folder(file) / file.filename()).string(), n);
                     if (!fresh && claims_[n].writes) out[n] = found->second;
                     return !out[n];
                 });
@@ -52,12 +56,16 @@ private:
             if (!visit(fs::path(claims_[n].path.at(frame))) || !claims_[n].path.per_frame()) return;
     }
 
-    /// The folder of a file, without links. Most files lie in few folders: the links of each are resolved once.
+    /// The folder of a file, without links. Most files lie in few folders: the links of each are
+    /// resolved once.
     const fs::path& resolved_folder(const fs::path& file) {
         auto [found, fresh] = resolved_.try_emplace(file.parent_path().string());
         std::error_code error;
         // Of folders that are not there, `a/.` would stay `a/`.
-        if (fresh) found->second = (fs::weakly_canonical(fs::absolute(file, error).parent_path(), error) / "").parent_path();
+        if (fresh)
+            found->second =
+                (fs::weakly_canonical(fs::absolute(file, error).parent_path(), error) / "")
+                    .parent_path();
         return found->second;
     }
 
@@ -65,7 +73,8 @@ private:
     fs::path followed(fs::path file) {
         constexpr int most_links = 40;  // as in Linux; more of them are a circle
         std::error_code error;
-        for (int n = 0; n < most_links && fs::is_symlink(file, error); ++n) file = file.parent_path() / fs::read_symlink(file, error);
+        for (int n = 0; n < most_links && fs::is_symlink(file, error); ++n)
+            file = file.parent_path() / fs::read_symlink(file, error);
         return resolved_folder(file) / file.filename();
     }
 
@@ -76,10 +85,14 @@ private:
             if (claims_[n].writes) continue;
             // A folder is listed once, where asking for each frame would take a call each.
             const bool list = names_[n] && claims_[n].path.per_frame();
-            if (list && links_in(fs::path(claims_[n].path.at(frames_.front())).parent_path()).empty()) continue;
+            if (list &&
+                links_in(fs::path(claims_[n].path.at(frames_.front())).parent_path()).empty())
+                continue;
             each_file(n, [&](const fs::path& file) {
                 std::error_code error;
-                if (list ? links_in(file.parent_path()).contains(file.filename().string()) : fs::is_symlink(file, error)) out[n].push_back(followed(file));
+                if (list ? links_in(file.parent_path()).contains(file.filename().string())
+                         : fs::is_symlink(file, error))
+                    out[n].push_back(followed(file));
                 return true;
             });
         }
@@ -91,7 +104,8 @@ private:
         const auto [found, fresh] = links_.try_emplace(folder);
         std::error_code error, gone;
         if (fresh)
-            for (fs::directory_iterator each(folder.empty() ? "." : folder, error), end; !error && each != end; each.increment(error))
+            for (fs::directory_iterator each(folder.empty() ? "." : folder, error), end;
+                 !error && each != end; each.increment(error))
                 if (each->is_symlink(gone)) found->second.insert(each->path().filename().string());
         return found->second;
     }
@@ -111,19 +125,24 @@ private:
         return out;
     }
 
-    bool may_share(std::size_t a, std::size_t b) const { return !names_[a] || !names_[b] || (names_[a]->fits(*names_[b]) && folders_[a] == folders_[b]); }
+    bool may_share(std::size_t a, std::size_t b) const {
+        return !names_[a] || !names_[b] ||
+               (names_[a]->fits(*names_[b]) && folders_[a] == folders_[b]);
+    }
 
     const std::vector<FileClaim>& claims_;
     const std::vector<int>& frames_;
-    std::vector<std::optional<NameEnds>> names_;          ///< per claim; nothing: its folders differ from frame to frame
-    std::vector<fs::path> folders_;                       ///< per claim with a name, without links
+    std::vector<std::optional<NameEnds>>
+        names_;                      ///< per claim; nothing: its folders differ from frame to frame
+    std::vector<fs::path> folders_;  ///< per claim with a name, without links
     std::unordered_map<std::string, fs::path> resolved_;  ///< by the folder as written
     std::map<fs::path, std::unordered_set<std::string>> links_;
 };
 
 }  // namespace
 
-std::vector<std::optional<std::size_t>> overwritten(const std::vector<FileClaim>& claims, const std::vector<int>& frames) {
+std::vector<std::optional<std::size_t>> overwritten(const std::vector<FileClaim>& claims,
+                                                    const std::vector<int>& frames) {
     return Claims(claims, frames).overwritten();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/types/frames.h"
+#include "formats/file/path_pattern.h"
 
 #include <cstddef>
 #include <optional>
@@ -14,9 +14,11 @@ struct FileClaim {
     bool writes = false;
 };
 
-/// Which claim writes over a file of an earlier one. A file is the same by whatever path: through dots or links, and so is what a link
-/// leads to that is read.
-/// @return per claim: the earliest with one of its files; nothing if there is none, or it only reads
-std::vector<std::optional<std::size_t>> overwritten(const std::vector<FileClaim>& claims, const std::vector<int>& frames);
+/// Which claim writes over a file of an earlier one. A file is the same by whatever path: through
+/// dots or links, and so is what a link leads to that is read.
+/// @return per claim: the earliest with one of its files; nothing if there is none, or it only
+///   reads
+std::vector<std::optional<std::size_t>> overwritten(const std::vector<FileClaim>& claims,
+                                                    const std::vector<int>& frames);
 
 }  // namespace fluidcarve

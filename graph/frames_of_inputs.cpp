@@ -1,7 +1,7 @@
 #include "graph/frames_of_inputs.h"
 
-#include "graph/confinement.h"
-#include "graph/text/words.h"
+#include "carve/base/words.h"
+#include "formats/file/confinement.h"
 #include "graph/types/frame_files.h"
 
 #include <fmt/format.h>
@@ -14,7 +14,8 @@
 namespace fluidcarve {
 namespace {
 
-/// The frames of an input whose files are there, at least one. Else adds a problem and returns nothing.
+/// The frames of an input whose files are there, at least one. Else adds a problem and returns
+/// nothing.
 std::optional<FrameSet> frames_of(const FramedInput& input, Problems& problems) {
     if (!Confinement::of_program().refusal(input.path.at(1)).empty()) return std::nullopt;
     try {
@@ -22,7 +23,9 @@ std::optional<FrameSet> frames_of(const FramedInput& input, Problems& problems) 
         if (frames && !frames->frames().empty()) return frames;
         add(problems, input.mark,
             frames ? fmt::format("frames: auto finds no file of any frame of {}", input.path.text())
-                   : fmt::format("frames: auto looks into one folder, and {} has a frame token in its folder; name the frames", input.path.text()));
+                   : fmt::format("frames: auto looks into one folder, and {} has a frame token in "
+                                 "its folder; name the frames",
+                                 input.path.text()));
     } catch (const Failure& failure) {
         add(problems, input.mark, fmt::format("frames: auto: {}", failure.what()));
     }
@@ -31,9 +34,12 @@ std::optional<FrameSet> frames_of(const FramedInput& input, Problems& problems) 
 
 }  // namespace
 
-std::optional<FrameSet> frames_of_inputs(const std::vector<FramedInput>& inputs, const Mark& frames, Problems& problems) {
+std::optional<FrameSet> frames_of_inputs(const std::vector<FramedInput>& inputs, const Mark& frames,
+                                         Problems& problems) {
     if (inputs.empty())
-        return add(problems, frames, "frames: auto takes the frames whose files are there, but no input has a frame token such as ####; leave `frames` out"),
+        return add(problems, frames,
+                   "frames: auto takes the frames whose files are there, but no input has a frame "
+                   "token such as ####; leave `frames` out"),
                std::nullopt;
     std::optional<std::vector<int>> common;
     std::vector<std::string> each;
@@ -41,12 +47,16 @@ std::optional<FrameSet> frames_of_inputs(const std::vector<FramedInput>& inputs,
         const auto there = frames_of(input, problems);
         if (!there) return std::nullopt;
         std::vector<int> both;
-        if (common) std::ranges::set_intersection(*common, there->frames(), std::back_inserter(both));
+        if (common)
+            std::ranges::set_intersection(*common, there->frames(), std::back_inserter(both));
         common = common ? std::move(both) : there->frames();
         each.push_back(fmt::format("'{}' has {}", input.node, there->text()));
     }
     if (common->empty())
-        return add(problems, frames, fmt::format("frames: auto takes the frames that all inputs have, and there is none: {}", fmt::join(each, ", "))),
+        return add(problems, frames,
+                   fmt::format(
+                       "frames: auto takes the frames that all inputs have, and there is none: {}",
+                       fmt::join(each, ", "))),
                std::nullopt;
     return FrameSet(std::move(*common));
 }
@@ -58,10 +68,12 @@ std::string holes_in(const FrameSet& frames) {
     std::vector<int> missing;
     for (std::size_t n = 1; n < there.size(); ++n) {
         regular = regular && there[n] - there[n - 1] == there[1] - there[0];
-        for (int frame = there[n - 1] + 1; frame < there[n] && missing.size() < most_told; ++frame) missing.push_back(frame);
+        for (int frame = there[n - 1] + 1; frame < there[n] && missing.size() < most_told; ++frame)
+            missing.push_back(frame);
     }
     if (missing.empty() || regular) return {};
-    return fmt::format("frames: auto takes {}: of {} to {}, {} {} missing", counted(there.size(), "frame"), there.front(), there.back(),
+    return fmt::format("frames: auto takes {}: of {} to {}, {} {} missing",
+                       counted(there.size(), "frame"), there.front(), there.back(),
                        FrameSet(missing).text(), missing.size() == 1 ? "is" : "are");
 }
 
@@ -69,25 +81,31 @@ std::string note_on_odd_frames(const PathPattern& input) {
     if (!Confinement::of_program().refusal(input.at(1)).empty()) return {};
     const auto odd = odd_frames_there(input);
     if (odd.empty()) return {};
-    return fmt::format("{} {} of {}, and left out: a frame is a whole number with as many digits as the token says", fmt::join(odd, ", "),
-                       odd.size() == 1 ? "is no frame" : "are no frames", input.text());
+    return fmt::format(
+        "{} {} of {}, and left out: a frame is a whole number with as many digits as the token "
+        "says",
+        fmt::join(odd, ", "), odd.size() == 1 ? "is no frame" : "are no frames", input.text());
 }
 
 void note_old_files(Pipeline& pipeline) {
     const auto look_at = [&](const PathPattern& output, const FrameSet& frames) {
-        if (!output.per_frame() || !Confinement::of_program().refusal(output.at(frames.frames().front())).empty()) return;
+        if (!output.per_frame() ||
+            !Confinement::of_program().refusal(output.at(frames.frames().front())).empty())
+            return;
         auto others = frames_there(output).value_or(FrameSet()).frames();
         std::erase_if(others, [&](int frame) { return frames.contains(frame); });
         if (others.empty()) return;
         const bool one = others.size() == 1;
-        pipeline.notes.push_back(fmt::format("{} has {} {} from before: this sequence does not have {}, and the {}", output.text(),
-                                             one ? "a file of frame" : "files of frames", FrameSet(others).text(), one ? "it" : "them",
-                                             one ? "file stays" : "files stay"));
+        pipeline.notes.push_back(fmt::format(
+            "{} has {} {} from before: this sequence does not have {}, and the {}", output.text(),
+            one ? "a file of frame" : "files of frames", FrameSet(others).text(),
+            one ? "it" : "them", one ? "file stays" : "files stay"));
     };
     for (const auto& node : pipeline.nodes)
         for (const auto& spec : node.type->params) try {
                 if (!node.params) continue;  // a node with faults
-                if (spec.shape.kind == Shape::Kind::output_path) look_at(spec.path(node.params.get()), node.frames);
+                if (spec.shape.kind == Shape::Kind::output_path)
+                    look_at(spec.path(node.params.get()), node.frames);
             } catch (const Failure&) {
                 // A folder that can't be read is told when something is written to it.
             }

@@ -15,15 +15,19 @@ Problems warnings_of(const Pipeline& pipeline) {
     if (!pipeline.holes.empty()) add(out, {}, "warning: " + pipeline.holes);
     for (const auto& note : pipeline.notes) add(out, {}, "warning: " + note);
     for (const auto& node : pipeline.nodes)
-        for (const auto& warning : node.warnings) add(out, warning.at, fmt::format("warning: {} {}", node.type->name, warning.message));
+        for (const auto& warning : node.warnings)
+            add(out, warning.at, fmt::format("warning: {} {}", node.type->name, warning.message));
     return out;
 }
 
 bool Pipeline::writes(std::size_t n) const {
     const auto& node = nodes[n];
-    return node.outputs.empty() && std::any_of(node.type->params.begin(), node.type->params.end(), [&](const ParamSpec& spec) {
-               return spec.shape.kind == Shape::Kind::output_path && !spec.path(node.params.get()).text().empty();
-           });
+    return node.outputs.empty() &&
+           std::any_of(node.type->params.begin(), node.type->params.end(),
+                       [&](const ParamSpec& spec) {
+                           return spec.shape.kind == Shape::Kind::output_path &&
+                                  !spec.path(node.params.get()).text().empty();
+                       });
 }
 
 std::string to_text(Rate rate) {
@@ -36,7 +40,8 @@ std::string to_text(Rate rate) {
 }
 
 const Node* Pipeline::find(std::string_view name) const {
-    const auto found = std::find_if(nodes.begin(), nodes.end(), [&](const Node& node) { return node.name == name; });
+    const auto found = std::find_if(nodes.begin(), nodes.end(),
+                                    [&](const Node& node) { return node.name == name; });
     return found == nodes.end() ? nullptr : &*found;
 }
 

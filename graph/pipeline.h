@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/base/frame_set.h"
 #include "graph/document.h"
 #include "graph/types/load_plugin.h"
 #include "graph/types/registry.h"
@@ -31,24 +32,30 @@ struct Node {
     std::string name;
     Mark mark;
     const NodeType* type = nullptr;
-    std::shared_ptr<const void> params;                 ///< null in a pipeline with problems
-    std::vector<OutputSpec> outputs;                    ///< outputs of the type, then outputs named by a parameter
+    std::shared_ptr<const void> params;  ///< null in a pipeline with problems
+    std::vector<OutputSpec> outputs;     ///< outputs of the type, then outputs named by a parameter
     std::vector<std::vector<Link>> inputs;              ///< `[input of the type][link]`
-    std::vector<std::vector<std::string>> input_names;  ///< `[input of the type][link]`: names of a named input's links, else empty texts
-    bool kept = false;                                  ///< results are cached in the work folder; for a writer: up-to-date files are not rewritten
-    bool digests_kept = false;                          ///< digests of frames are cached in the work folder
-    bool gathers = false;                               ///< takes all frames, in order, before it delivers
-    Rate rate = Rate::fixed;                            ///< how often it delivers, or runs if it has no outputs
-    bool per_frame_input = false;                       ///< at least one input arrives per frame
-    FrameSet taken;                                     ///< the frames that its inputs have
-    FrameSet frames;                                    ///< the frames in which it delivers: those taken, unless it retimes them
-    Provenance provenance;                              ///< of a writer: what its files state, except checksums (state_provenance)
-    std::vector<Link> checksummed;                      ///< of a writer: outputs upstream whose checksums its files state, too
+    std::vector<std::vector<std::string>> input_names;  ///< `[input of the type][link]`: names of a
+                                                        ///< named input's links, else empty texts
+    bool kept = false;  ///< results are cached in the work folder; for a writer: up-to-date files
+                        ///< are not rewritten
+    bool digests_kept = false;     ///< digests of frames are cached in the work folder
+    bool gathers = false;          ///< takes all frames, in order, before it delivers
+    Rate rate = Rate::fixed;       ///< how often it delivers, or runs if it has no outputs
+    bool per_frame_input = false;  ///< at least one input arrives per frame
+    FrameSet taken;                ///< the frames that its inputs have
+    FrameSet frames;  ///< the frames in which it delivers: those taken, unless it retimes them
+    Provenance
+        provenance;  ///< of a writer: what its files state, except checksums (state_provenance)
+    std::vector<Link>
+        checksummed;  ///< of a writer: outputs upstream whose checksums its files state, too
 
     std::vector<Problem> warnings;  ///< what its check warns of
 
-    bool streams_in() const { return gathers && per_frame_input; }          ///< it gathers frame by frame
-    bool retimes() const { return type && type->retimes && streams_in(); }  ///< what it delivers has other frames than what it takes
+    bool streams_in() const { return gathers && per_frame_input; }  ///< it gathers frame by frame
+    bool retimes() const {
+        return type && type->retimes && streams_in();
+    }  ///< what it delivers has other frames than what it takes
 };
 
 /// A checked pipeline: typed, acyclic, complete. Each node comes after the nodes that it reads.
@@ -56,8 +63,10 @@ struct Pipeline {
     std::string name;                ///< the file, as given
     std::vector<std::string> files;  ///< the file and the files that it extends
     FrameSet frames;                 ///< the sequence, and the frames of nodes that retime it
-    std::string holes;               ///< of `frames: auto`: which frames are missing between the others, in words; empty: none
-    std::vector<std::string> notes;  ///< what a user may not expect of the sequence or of files that are there, a sentence each
+    std::string holes;  ///< of `frames: auto`: which frames are missing between the others, in
+                        ///< words; empty: none
+    std::vector<std::string> notes;  ///< what a user may not expect of the sequence or of files
+                                     ///< that are there, a sentence each
     std::vector<Node> nodes;
     PluginFiles plugins;     ///< plugin file of each node type that is not built in
     bool provenance = true;  ///< whether written files state what made them
@@ -72,10 +81,12 @@ struct Pipeline {
     std::vector<bool> upstream_of(const std::vector<std::size_t>& nodes) const;
 };
 
-/// What a link takes, as in the file: "density" of `sim.density`; a node's first output by its name.
+/// What a link takes, as in the file: "density" of `sim.density`; a node's first output by its
+/// name.
 const std::string& taken_by(const Pipeline& pipeline, const Link& link);
 
-/// All that `check` warns of: of the sequence, of files that are there, and of nodes; in words that begin with "warning:".
+/// All that `check` warns of: of the sequence, of files that are there, and of nodes; in words that
+/// begin with "warning:".
 Problems warnings_of(const Pipeline& pipeline);
 
 }  // namespace fluidcarve

@@ -1,5 +1,7 @@
 #include "graph/timelines.h"
 
+#include "carve/base/frame_set.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +9,8 @@
 
 namespace fluidcarve {
 
-FrameSet infer_timelines(const std::vector<Node*>& nodes, const FrameSet& sequence, Problems& problems) {
+FrameSet infer_timelines(const std::vector<Node*>& nodes, const FrameSet& sequence,
+                         Problems& problems) {
     auto all = sequence.frames();
     for (auto* const node : nodes) {
         node->taken = sequence;
@@ -21,8 +24,10 @@ FrameSet infer_timelines(const std::vector<Node*>& nodes, const FrameSet& sequen
                     node->taken = source.frames;
                 } else if (source.frames.frames() != first->frames.frames()) {
                     add(problems, node->mark,
-                        fmt::format("'{}' has the frames {}, but '{}' has {}: take both from before the change of time, or both from behind it", first->name,
-                                    first->frames.text(), source.name, source.frames.text()));
+                        fmt::format("'{}' has the frames {}, but '{}' has {}: take both from "
+                                    "before the change of time, or both from behind it",
+                                    first->name, first->frames.text(), source.name,
+                                    source.frames.text()));
                 }
             }
         node->frames = node->taken;

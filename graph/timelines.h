@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/base/frame_set.h"
 #include "graph/pipeline.h"
 
 #include <vector>
@@ -10,6 +11,7 @@ namespace fluidcarve {
 /// @param nodes     in order, with their rates
 /// @param sequence  the frames of readers
 /// @return the frames of all nodes together
-FrameSet infer_timelines(const std::vector<Node*>& nodes, const FrameSet& sequence, Problems& problems);
+FrameSet infer_timelines(const std::vector<Node*>& nodes, const FrameSet& sequence,
+                         Problems& problems);
 
 }  // namespace fluidcarve

@@ -1,45 +1,6 @@
 #pragma once
 
+#include "carve/volume/volume.h"
 #include "graph/types/payload.h"
-#include "nodes/volume_grid.h"
 
-#include <openvdb/openvdb.h>
-
-#include <cstddef>
-#include <optional>
-#include <string>
-#include <vector>
-
-namespace fluidcarve {
-
-using FloatGrid = openvdb::FloatGrid;
-using VectorGrid = openvdb::Vec3SGrid;
-using MaskGrid = openvdb::MaskGrid;
-
-/// One grid of any type. Float, vector and mask grids convert to it.
-struct AnyGrid {
-    openvdb::GridBase::ConstPtr grid;
-};
-
-/// Place of the first name that is the wanted one. If there is none, `name[n]` is the place of the name's n-th, from 0 on.
-std::optional<std::size_t> find_name(const std::vector<std::string>& names, const std::string& wanted);
-
-/// All grids of one frame, in the order of their file, and the file's metadata.
-struct Volume {
-    std::vector<VolumeGrid> grids;
-    openvdb::MetaMap metadata;  ///< metadata of the file, not of its grids
-    std::string codec;          ///< compression of the file: "none", "zip", "blosc"; empty: not from a file
-
-    /// Place of the grid that find_name() finds.
-    std::optional<std::size_t> place(const std::string& name) const;
-    /// The grid at that place, or null.
-    openvdb::GridBase::ConstPtr find(const std::string& name) const;
-    /// Names of the grids, which may be the same for several.
-    std::vector<std::string> given_names() const;
-    /// Names of the grids, several of one name as OpenVDB tells them apart: "density[0]", "density[1]".
-    std::vector<std::string> unique_names() const;
-    /// Names of the grids for messages: "density, velocity".
-    std::string names() const;
-};
-
-}  // namespace fluidcarve
+// What nodes hand on: shared grids and volumes.

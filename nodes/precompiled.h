@@ -10,6 +10,6 @@
 #include <tbb/parallel_reduce.h>
 #include <nlohmann/json.hpp>
 
+#include "carve/volume/grid_instances.h"
+#include "carve/volume/volume.h"
 #include "graph/types/node_type.h"
-#include "nodes/grid_instances.h"
-#include "nodes/payloads.h"

@@ -11,7 +11,8 @@
 
 namespace {
 
-/// Opens standard streams that were closed, so that no file of ours gets their number, and messages with it.
+/// Opens standard streams that were closed, so that no file of ours gets their number, and messages
+/// with it.
 void open_standard_streams() {
     for (int number = STDIN_FILENO; number <= STDERR_FILENO; ++number)
         if (::fcntl(number, F_GETFD) == -1) static_cast<void>(::open("/dev/null", O_RDWR));

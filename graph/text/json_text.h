@@ -4,7 +4,8 @@
 
 namespace fluidcarve {
 
-/// A JSON value as text that every reader takes: bytes that are no UTF-8, as names of files may hold, become U+FFFD.
+/// A JSON value as text that every reader takes: bytes that are no UTF-8, as names of files may
+/// hold, become U+FFFD.
 /// @param indent  spaces per level; below 0: one line
 template <class Json>
 std::string json_text(const Json& json, int indent = -1) {

@@ -1,7 +1,8 @@
 #pragma once
 
+#include "carve/base/failure.h"
+
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,7 +23,8 @@ struct Mark {
     int column = 0;
 };
 
-/// A fault in the user's text. All problems are found before any data is opened, and reported together.
+/// A fault in the user's text. All problems are found before any data is opened, and reported
+/// together.
 struct Problem {
     Mark at;
     std::string message;  ///< what is wrong and, if known, the remedy
@@ -32,37 +34,20 @@ struct Problem {
 
 using Problems = std::vector<Problem>;
 
-inline void add(Problems& problems, const Mark& at, std::string message, Mark also_at = {}, std::string also = {}) {
+inline void add(Problems& problems, const Mark& at, std::string message, Mark also_at = {},
+                std::string also = {}) {
     problems.push_back({at, std::move(message), std::move(also_at), std::move(also)});
 }
 
-/// `file:line:column: message`, the line itself and a caret below it; the same again for the second place.
+/// `file:line:column: message`, the line itself and a caret below it; the same again for the second
+/// place.
 std::string to_text(const Problem& problem);
 
 /// All problems for the user, sorted by place, without duplicates; at most the first hundred.
 std::string to_text(const Problems& problems);
 
-/// All problems in the same order, as a JSON array of `{file, line, column, message, also?: {file, line, column, message}}`.
+/// All problems in the same order, as a JSON array of `{file, line, column, message, also?: {file,
+/// line, column, message}}`.
 std::string to_json(const Problems& problems);
-
-/// The candidate nearest to `name` by edit distance; empty if none is near enough to be a typing error.
-std::string nearest(std::string_view name, const std::vector<std::string>& candidates);
-
-/// "; did you mean 'x'?" for the nearest candidate, else "; known: a, b, c".
-std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates);
-
-/// A fault in data, files or the system. Node bodies throw it; the runtime adds node, type and frame.
-class Failure : public std::runtime_error {
-public:
-    enum class Kind {
-        data,   ///< the node could not do its work
-        input,  ///< an input is missing, unreadable or too large
-    };
-    explicit Failure(const std::string& message, Kind kind = Kind::data) : std::runtime_error(message), kind(kind) {}
-    Kind kind;
-};
-
-/// Thrown by Context::check_cancelled when the run is being stopped. Node bodies must not catch it.
-struct Cancelled {};
 
 }  // namespace fluidcarve

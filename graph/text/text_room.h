@@ -5,7 +5,8 @@
 
 namespace fluidcarve {
 
-/// Room for the text of a pipeline, with all that aliases, `${name}` and extended files add: without a limit, a small file could fill all memory.
+/// Room for the text of a pipeline, with all that aliases, `${name}` and extended files add:
+/// without a limit, a small file could fill all memory.
 class TextRoom {
 public:
     static constexpr std::size_t most_mib = 16;
@@ -20,7 +21,8 @@ public:
     /// What is wrong with the text for which there was no room.
     static std::string fault() {
         return "here the pipeline grows beyond " + std::to_string(most_mib) +
-               " MiB of text, with all aliases, ${names} and extended files: no pipeline needs so much; repeat less";
+               " MiB of text, with all aliases, ${names} and extended files: no pipeline needs so "
+               "much; repeat less";
     }
 
 private:

@@ -13,18 +13,22 @@ std::string shown(const std::string& text) {
     constexpr std::size_t most = 60;
     if (text.size() <= most) return text;
     auto end = most;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;  // not inside a UTF-8 character
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80)
+        --end;  // not inside a UTF-8 character
     return text.substr(0, end) + "...";
 }
 
 }  // namespace
 
 const Value::Field* Value::find(std::string_view name) const {
-    const auto found = std::find_if(fields.begin(), fields.end(), [&](const Field& field) { return field.name == name; });
+    const auto found = std::find_if(fields.begin(), fields.end(),
+                                    [&](const Field& field) { return field.name == name; });
     return found == fields.end() ? nullptr : &*found;
 }
 
-Value::Field* Value::find(std::string_view name) { return const_cast<Field*>(std::as_const(*this).find(name)); }
+Value::Field* Value::find(std::string_view name) {
+    return const_cast<Field*>(std::as_const(*this).find(name));
+}
 
 std::size_t Value::text_bytes() const {
     auto out = text.size();
@@ -37,7 +41,8 @@ std::string Value::describe() const {
     switch (kind) {
         case Kind::null: return "nothing";
         case Kind::scalar: return fmt::format("'{}'", shown(text));
-        case Kind::list: return items.size() == 1 ? "a list of one" : fmt::format("a list of {}", items.size());
+        case Kind::list:
+            return items.size() == 1 ? "a list of one" : fmt::format("a list of {}", items.size());
         case Kind::unresolved: return "something unresolved";
         case Kind::map: break;
     }

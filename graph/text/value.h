@@ -9,8 +9,8 @@
 
 namespace fluidcarve {
 
-/// One value of a pipeline file as written, with its place. The declared type of the parameter decides how a scalar is read;
-/// its form and quotes do not.
+/// One value of a pipeline file as written, with its place. The declared type of the parameter
+/// decides how a scalar is read; its form and quotes do not.
 struct Value {
     enum class Kind {
         null,

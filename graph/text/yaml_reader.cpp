@@ -18,10 +18,12 @@ constexpr std::size_t most_values = 100'000;
 
 struct Stop {};  // a problem was added: stop reading
 
-/// Builds a Value from the parser's events. yaml-cpp's own tree drops duplicate keys and expands alias bombs.
+/// Builds a Value from the parser's events. yaml-cpp's own tree drops duplicate keys and expands
+/// alias bombs.
 class Builder : public YAML::EventHandler {
 public:
-    Builder(const std::shared_ptr<const Source>& source, Problems& problems, TextRoom& room) : source_(source), problems_(problems), room_(room) {}
+    Builder(const std::shared_ptr<const Source>& source, Problems& problems, TextRoom& room)
+        : source_(source), problems_(problems), room_(room) {}
 
     Value take() { return std::move(root_); }
 
@@ -29,37 +31,47 @@ public:
     void OnDocumentEnd() override {}
 
     void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-        // The parser places an empty value at the next token, perhaps on another line. Use the place of its key instead.
-        const bool after_key = !open_.empty() && open_.back().value.kind == Value::Kind::map && open_.back().key;
+        // The parser places an empty value at the next token, perhaps on another line. Use the
+        // place of its key instead.
+        const bool after_key =
+            !open_.empty() && open_.back().value.kind == Value::Kind::map && open_.back().key;
         Value value;
         value.mark = after_key ? open_.back().key->mark : place(mark);
         finish(std::move(value), anchor);
     }
 
-    void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor, const std::string& text) override {
+    void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                  const std::string& text) override {
         Value value;
         value.kind = Value::Kind::scalar;
         value.mark = place(mark);
         value.text = text;
-        // Written as an escape: what reads a path up to a NUL would take another file than what checked it.
-        const auto control = std::ranges::find_if(text, [](unsigned char c) { return (c < 0x20 && c != '\n' && c != '\t' && c != '\r') || c == 0x7f; });
+        // Written as an escape: what reads a path up to a NUL would take another file than what
+        // checked it.
+        const auto control = std::ranges::find_if(text, [](unsigned char c) {
+            return (c < 0x20 && c != '\n' && c != '\t' && c != '\r') || c == 0x7f;
+        });
         if (control != text.end())
-            fail(value.mark, fmt::format("the text holds the control character 0x{:02x}, which no name, path or program may: leave it out",
+            fail(value.mark, fmt::format("the text holds the control character 0x{:02x}, which no "
+                                         "name, path or program may: leave it out",
                                          static_cast<unsigned char>(*control)));
         finish(std::move(value), anchor);
     }
 
     void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
         const auto found = anchors_.find(anchor);
-        if (found == anchors_.end()) fail(place(mark), "this alias is part of the value that it refers to");
+        if (found == anchors_.end())
+            fail(place(mark), "this alias is part of the value that it refers to");
         count(place(mark), found->second.size, found->second.value.text_bytes());
         add(Value(found->second.value));
     }
 
-    void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
+    void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                         YAML::EmitterStyle::value) override {
         open(Value::Kind::list, mark, anchor);
     }
-    void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
+    void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                    YAML::EmitterStyle::value) override {
         open(Value::Kind::map, mark, anchor);
     }
     void OnSequenceEnd() override { close(); }
@@ -71,7 +83,8 @@ private:
         YAML::anchor_t anchor;
         std::size_t first_value;
         std::optional<Value> key;
-        std::map<std::string, Mark> seen = {};  ///< names of a map's fields, for fast lookup: hostile files may have very many
+        std::map<std::string, Mark> seen =
+            {};  ///< names of a map's fields, for fast lookup: hostile files may have very many
     };
     struct Anchored {
         Value value;
@@ -87,13 +100,18 @@ private:
 
     void count(const Mark& at, std::size_t values, std::size_t text_bytes) {
         values_ += values;
-        if (values_ > most_values) fail(at, fmt::format("more than {} values, with all aliases expanded: no pipeline needs so many", most_values));
+        if (values_ > most_values)
+            fail(at,
+                 fmt::format(
+                     "more than {} values, with all aliases expanded: no pipeline needs so many",
+                     most_values));
         if (!room_.take(text_bytes)) fail(at, TextRoom::fault());
     }
 
     void open(Value::Kind kind, const YAML::Mark& mark, YAML::anchor_t anchor) {
         count(place(mark), 1, 0);
-        if (open_.size() >= most_levels) fail(place(mark), fmt::format("nested more than {} levels deep", most_levels));
+        if (open_.size() >= most_levels)
+            fail(place(mark), fmt::format("nested more than {} levels deep", most_levels));
         Value value;
         value.kind = kind;
         value.mark = place(mark);
@@ -103,7 +121,8 @@ private:
     void close() {
         Open done = std::move(open_.back());
         open_.pop_back();
-        if (done.anchor != YAML::NullAnchor) anchors_[done.anchor] = {done.value, values_ - done.first_value};
+        if (done.anchor != YAML::NullAnchor)
+            anchors_[done.anchor] = {done.value, values_ - done.first_value};
         add(std::move(done.value));
     }
 
@@ -122,12 +141,18 @@ private:
         if (parent.value.kind == Value::Kind::list) {
             parent.value.items.push_back(std::move(value));
         } else if (!parent.key) {
-            if (value.kind != Value::Kind::scalar) fail(value.mark, "a name is wanted here, not " + value.describe());
+            if (value.kind != Value::Kind::scalar)
+                fail(value.mark, "a name is wanted here, not " + value.describe());
             parent.key = std::move(value);
         } else {
-            if (const auto [first, fresh] = parent.seen.emplace(parent.key->text, parent.key->mark); !fresh)
-                problems_.push_back({parent.key->mark, fmt::format("'{}' is stated twice", parent.key->text), first->second, "first stated here"});
-            else parent.value.fields.push_back({parent.key->text, parent.key->mark, std::move(value)});
+            if (const auto [first, fresh] = parent.seen.emplace(parent.key->text, parent.key->mark);
+                !fresh)
+                problems_.push_back({parent.key->mark,
+                                     fmt::format("'{}' is stated twice", parent.key->text),
+                                     first->second, "first stated here"});
+            else
+                parent.value.fields.push_back(
+                    {parent.key->text, parent.key->mark, std::move(value)});
             parent.key.reset();
         }
     }
@@ -146,10 +171,16 @@ private:
 Value read_yaml(const std::shared_ptr<const Source>& source, Problems& problems, TextRoom& room) {
     const Mark whole{source, 0, 0};
     if (source->text.size() > most_yaml_bytes) {
-        problems.push_back({whole, fmt::format("the file holds more than {} MiB: not a pipeline", most_yaml_bytes >> 20), {}, {}});
+        problems.push_back(
+            {whole,
+             fmt::format("the file holds more than {} MiB: not a pipeline", most_yaml_bytes >> 20),
+             {},
+             {}});
         return {};
     }
-    const auto binary = [](unsigned char c) { return c < 0x20 && c != '\t' && c != '\n' && c != '\r'; };
+    const auto binary = [](unsigned char c) {
+        return c < 0x20 && c != '\t' && c != '\n' && c != '\r';
+    };
     if (std::any_of(source->text.begin(), source->text.end(), binary)) {
         problems.push_back({whole, "binary data: a pipeline is a text in UTF-8", {}, {}});
         return {};
@@ -162,11 +193,16 @@ Value read_yaml(const std::shared_ptr<const Source>& source, Problems& problems,
         Problems ignored;
         TextRoom other;
         Builder second(source, ignored, other);
-        if (parser.HandleNextDocument(second)) problems.push_back({whole, "a second YAML document follows; a pipeline file holds one", {}, {}});
+        if (parser.HandleNextDocument(second))
+            problems.push_back(
+                {whole, "a second YAML document follows; a pipeline file holds one", {}, {}});
     } catch (const Stop&) {
         return {};
     } catch (const YAML::Exception& error) {
-        problems.push_back({{source, error.mark.line + 1, error.mark.column + 1}, "not YAML: " + error.msg, {}, {}});
+        problems.push_back({{source, error.mark.line + 1, error.mark.column + 1},
+                            "not YAML: " + error.msg,
+                            {},
+                            {}});
         return {};
     }
     return builder.take();

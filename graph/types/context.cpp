@@ -1,6 +1,6 @@
 #include "graph/types/context.h"
 
-#include "graph/text/problem.h"
+#include "carve/base/failure.h"
 
 namespace fluidcarve {
 

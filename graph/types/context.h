@@ -1,7 +1,8 @@
 #pragma once
 
+#include "carve/base/limits.h"
+#include "formats/file/provenance.h"
 #include "graph/types/payload.h"
-#include "graph/types/provenance.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -14,7 +15,8 @@
 namespace fluidcarve {
 
 /// A node body's connection to its run: the frame, the limits, warnings, report and progress.
-/// A default-constructed Context lets a test call a body alone: one frame, number 1, and messages go nowhere.
+/// A default-constructed Context lets a test call a body alone: one frame, number 1, and messages
+/// go nowhere.
 class Context {
 public:
     /// The run's side of the connection. Implementations must be thread-safe.
@@ -23,7 +25,8 @@ public:
         virtual bool cancelled() const { return false; }
         virtual void warn(const std::string& /*message*/) {}
         virtual void warn_at_once(const std::string& message) { warn(message); }
-        virtual void report(const std::string& /*section*/, const nlohmann::ordered_json& /*entry*/) {}
+        virtual void report(const std::string& /*section*/,
+                            const nlohmann::ordered_json& /*entry*/) {}
         virtual void tell(const std::string& /*line*/) {}
         virtual void progress(double /*fraction*/) {}
         virtual void hold(const Payload& /*result*/) {}
@@ -33,7 +36,8 @@ public:
     Context();
     Context(Host& host, const std::vector<int>& frames) : host_(&host), frames_(&frames) {}
 
-    /// Number of the frame, and its index in `frames()`. In `finish` and in static nodes: those of the first frame.
+    /// Number of the frame, and its index in `frames()`. In `finish` and in static nodes: those of
+    /// the first frame.
     int frame() const { return place_ < frames_->size() ? (*frames_)[place_] : 1; }
     std::size_t place() const { return place_; }
     /// Frame numbers of the whole sequence, even if only a part of it is delivered.
@@ -48,25 +52,33 @@ public:
     bool cancelled() const { return host_->cancelled(); }
     /// Throws Cancelled once the run is being stopped. Long bodies call it a few times per second.
     void check_cancelled() const;
-    /// Reports how much of the work of `finish` is done, 0 to 1. What an earlier run found (`resume`) is no work of this one.
+    /// Reports how much of the work of `finish` is done, 0 to 1. What an earlier run found
+    /// (`resume`) is no work of this one.
     void progress(double fraction) const { host_->progress(fraction); }
-    /// Saves the finished part of a growing result (Growth), so that it is not lost if the run is killed.
+    /// Saves the finished part of a growing result (Growth), so that it is not lost if the run is
+    /// killed.
     void hold(const Payload& result) const { host_->hold(result); }
     /// Shows a warning at the end of the run and adds it to the report, once per node and text.
     void warn(const std::string& message) const { host_->warn(message); }
     /// The same, shown now: for what makes the work ahead, which may take long, useless.
     void warn_at_once(const std::string& message) const { host_->warn_at_once(message); }
     /// Adds an entry for this node to a section of the report, such as `seams`.
-    void report(const std::string& section, const nlohmann::ordered_json& entry) const { host_->report(section, entry); }
+    void report(const std::string& section, const nlohmann::ordered_json& entry) const {
+        host_->report(section, entry);
+    }
 
-    /// Shows a line at the end of the run, behind the node's name, unless the run is quiet. Only `conclude` may call it.
+    /// Shows a line at the end of the run, behind the node's name, unless the run is quiet. Only
+    /// `conclude` may call it.
     void tell(const std::string& line) const { host_->tell(line); }
-    /// What a writer states in its files, in place of what a file that was read states of itself. Empty: nothing.
+    /// What a writer states in its files, in place of what a file that was read states of itself.
+    /// Empty: nothing.
     Provenance provenance() const { return host_->provenance(); }
 
-    /// Bytes that one node may hold in memory for the whole sequence. Beyond that it uses files below `work_folder`.
-    std::uint64_t memory_budget() const { return memory_budget_; }
-    const std::string& work_folder() const { return work_folder_; }
+    /// Bytes that one node may hold in memory for the whole sequence. Beyond that it uses files
+    /// below `work_folder`.
+    std::uint64_t memory_budget() const { return limits_.memory; }
+    const std::string& work_folder() const { return limits_.folder; }
+    const Limits& limits() const { return limits_; }
 
     Context& at(std::size_t place) {
         place_ = place;
@@ -78,8 +90,7 @@ public:
         return *this;
     }
     Context& limits(std::uint64_t memory_budget, std::string work_folder) {
-        memory_budget_ = memory_budget;
-        work_folder_ = std::move(work_folder);
+        limits_ = {memory_budget, std::move(work_folder)};
         return *this;
     }
 
@@ -89,8 +100,7 @@ private:
     std::size_t place_ = 0;
     bool per_frame_ = false;
     std::function<bool(std::string_view)> wants_;
-    std::uint64_t memory_budget_ = ~std::uint64_t{0};
-    std::string work_folder_ = ".fluidcarve";
+    Limits limits_;
 };
 
 }  // namespace fluidcarve

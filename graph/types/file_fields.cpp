@@ -7,7 +7,9 @@ namespace {
 
 template <class T>
 ParamType param_of(std::string name) {
-    return {std::move(name), ParamTraits<T>::shape(), [](const Value& value, ValueReader& reader) { return ParamTraits<T>::parse(value, reader).has_value(); }};
+    return {std::move(name), ParamTraits<T>::shape(), [](const Value& value, ValueReader& reader) {
+                return ParamTraits<T>::parse(value, reader).has_value();
+            }};
 }
 
 /// Bounds hold for a number of seams, not for a percentage.

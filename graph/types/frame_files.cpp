@@ -1,6 +1,6 @@
 #include "graph/types/frame_files.h"
 
-#include "graph/text/problem.h"
+#include "carve/base/failure.h"
 
 #include <fmt/format.h>
 
@@ -17,18 +17,22 @@ namespace fs = std::filesystem;
 std::vector<std::string> files_in(const std::string& folder) {
     std::error_code fault;
     std::vector<std::string> out;
-    for (fs::directory_iterator at(folder.empty() ? "." : folder, fault), end; !fault && at != end; at.increment(fault)) {
+    for (fs::directory_iterator at(folder.empty() ? "." : folder, fault), end; !fault && at != end;
+         at.increment(fault)) {
         std::error_code ignored;
-        if (at->is_regular_file(ignored)) out.push_back((fs::path(folder) / at->path().filename()).string());
+        if (at->is_regular_file(ignored))
+            out.push_back((fs::path(folder) / at->path().filename()).string());
     }
-    if (fault) throw Failure(fmt::format("cannot read the folder {}: {}", folder, fault.message()), Failure::Kind::input);
+    if (fault)
+        throw Failure(fmt::format("cannot read the folder {}: {}", folder, fault.message()),
+                      Failure::Kind::input);
     return out;
 }
 
 namespace {
 
-/// Calls `visit(name, rest, frame)` for the files of a path's folder whose names begin as its own do: the text behind that beginning, and the frame
-/// whose file it is, or nothing.
+/// Calls `visit(name, rest, frame)` for the files of a path's folder whose names begin as its own
+/// do: the text behind that beginning, and the frame whose file it is, or nothing.
 /// @return false if a token is in the path's folder
 template <class Visit>
 bool visit_files(const PathPattern& path, const Visit& visit) {
@@ -63,19 +67,25 @@ std::string staggered_note(std::string_view frames) {
     if (frames.find(':') == std::string_view::npos) return {};
     auto stepped = std::string(frames);
     std::ranges::replace(stepped, ':', 'x');
-    return fmt::format("{} names all of the frames, as on a farm, where a colon only changes their order; every n-th frame is {}", frames, stepped);
+    return fmt::format(
+        "{} names all of the frames, as on a farm, where a colon only changes their order; every "
+        "n-th frame is {}",
+        frames, stepped);
 }
 
 std::vector<std::string> odd_frames_there(const PathPattern& path) {
     constexpr std::size_t most = 3;
     const auto ends = path.name_ends();
     std::vector<std::string> out;
-    visit_files(path, [&](const std::string& name, std::string_view rest, std::optional<int> frame) {
-        if (frame || !rest.ends_with(ends->end) || rest.size() <= ends->end.size()) return;
-        rest.remove_suffix(ends->end.size());
-        const bool digit = rest.find_first_of("0123456789") != std::string_view::npos;
-        if (digit && rest.find_first_not_of("0123456789.+-") == std::string_view::npos) out.push_back(name);
-    });
+    visit_files(path,
+                [&](const std::string& name, std::string_view rest, std::optional<int> frame) {
+                    if (frame || !rest.ends_with(ends->end) || rest.size() <= ends->end.size())
+                        return;
+                    rest.remove_suffix(ends->end.size());
+                    const bool digit = rest.find_first_of("0123456789") != std::string_view::npos;
+                    if (digit && rest.find_first_not_of("0123456789.+-") == std::string_view::npos)
+                        out.push_back(name);
+                });
     std::ranges::sort(out);
     out.resize(std::min(out.size(), most));
     return out;

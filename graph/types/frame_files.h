@@ -1,6 +1,7 @@
 #pragma once
 
-#include "graph/types/frames.h"
+#include "carve/base/frame_set.h"
+#include "formats/file/path_pattern.h"
 
 #include <optional>
 #include <string>
@@ -17,11 +18,12 @@ std::vector<std::string> files_in(const std::string& folder);
 /// @throws Failure (input) if the folder can't be read
 std::optional<FrameSet> frames_there(const PathPattern& path);
 
-/// What a frame set with a colon says, for those who take it for a step: "1-10:2 names all of the frames, ..."; empty: it has none.
+/// What a frame set with a colon says, for those who take it for a step: "1-10:2 names all of the
+/// frames, ..."; empty: it has none.
 std::string staggered_note(std::string_view frames);
 
-/// Names of files that lie beside those of a path with frame tokens and look like frames of it, but are none: half frames such as 1001.5, or
-/// numbers with other digits. At most three.
+/// Names of files that lie beside those of a path with frame tokens and look like frames of it, but
+/// are none: half frames such as 1001.5, or numbers with other digits. At most three.
 std::vector<std::string> odd_frames_there(const PathPattern& path);
 
 }  // namespace fluidcarve

@@ -1,7 +1,7 @@
 #include "graph/types/load_plugin.h"
 
-#include "graph/confinement.h"
-#include "graph/input_file.h"
+#include "formats/file/confinement.h"
+#include "formats/file/input_file.h"
 #include "graph/types/plugin.h"
 
 #include <dlfcn.h>
@@ -22,36 +22,51 @@ namespace fs = std::filesystem;
 std::string family_of(std::string_view type) { return std::string(type.substr(0, type.find('.'))); }
 
 bool can_name_a_family(std::string_view name) {
-    return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+    return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+        return std::isalnum(c) || c == '_';
+    });
 }
 
 template <class Symbol>
 Symbol* find(void* library, const std::string& file, const char* name) {
     auto* const found = reinterpret_cast<Symbol*>(dlsym(library, name));
-    if (!found) throw Failure(fmt::format("{} is no plugin of fluidcarve: it has no symbol '{}'; `fluidcarve new-node` writes a complete one", file, name));
+    if (!found)
+        throw Failure(
+            fmt::format("{} is no plugin of fluidcarve: it has no symbol '{}'; `fluidcarve "
+                        "new-node` writes a complete one",
+                        file, name));
     return found;
 }
 
-void check(const PluginHeader& header, const std::string& file, const Registry& registry, const PluginFiles& files) {
+void check(const PluginHeader& header, const std::string& file, const Registry& registry,
+           const PluginFiles& files) {
     constexpr auto again = "build it again with the headers of this one";
     if (header.abi != plugin_abi)
-        throw Failure(fmt::format("the plugin {} has ABI number {}, but fluidcarve {} takes {}; {}", file, header.abi, FLUIDCARVE_VERSION, plugin_abi, again));
+        throw Failure(fmt::format("the plugin {} has ABI number {}, but fluidcarve {} takes {}; {}",
+                                  file, header.abi, FLUIDCARVE_VERSION, plugin_abi, again));
     if (header.payloads != payload_abi)
-        throw Failure(
-            fmt::format("the plugin {} was built with fluidcarve {}, whose payload types are of version {}, but here, in fluidcarve {}, they are of {}; {}",
-                        file, header.version, header.payloads, FLUIDCARVE_VERSION, payload_abi, again));
+        throw Failure(fmt::format(
+            "the plugin {} was built with fluidcarve {}, whose payload types are of version {}, "
+            "but here, in fluidcarve {}, they are of {}; {}",
+            file, header.version, header.payloads, FLUIDCARVE_VERSION, payload_abi, again));
     if (header.node_type != sizeof(NodeType))
         throw Failure(
-            fmt::format("the plugin {} was built with fluidcarve {} where a node type takes {} bytes, but here it takes {}; {}, and with the same "
+            fmt::format("the plugin {} was built with fluidcarve {} where a node type takes {} "
+                        "bytes, but here it takes {}; {}, and with the same "
                         "options for the standard library",
                         file, header.version, header.node_type, sizeof(NodeType), again));
     const std::string family = header.family ? header.family : "";
     if (!can_name_a_family(family))
-        throw Failure(fmt::format("the plugin {} gives its types the family '{}'; a family's name has letters, digits and _", file, family));
+        throw Failure(
+            fmt::format("the plugin {} gives its types the family '{}'; a family's name has "
+                        "letters, digits and _",
+                        file, family));
     for (const auto& [name, type] : registry.nodes())
         if (!files.contains(name) && family_of(name) == family)
             throw Failure(
-                fmt::format("the plugin {} gives its types the family '{}', but that is a built-in one, of '{}'; give it one of its own", file, family, name));
+                fmt::format("the plugin {} gives its types the family '{}', but that is a built-in "
+                            "one, of '{}'; give it one of its own",
+                            file, family, name));
 }
 
 /// Checks that all types and conversions of a plugin belong to its family.
@@ -59,10 +74,12 @@ void check(const PluginHeader& header, const std::string& file, const Registry& 
 /// @param registry  the registry with the plugin
 /// @return names of the plugin's node types
 /// @throws Failure naming a type or conversion outside of the family
-std::vector<std::string> own_types(const Registry& before, const Registry& registry, const std::string& family, const std::string& file) {
+std::vector<std::string> own_types(const Registry& before, const Registry& registry,
+                                   const std::string& family, const std::string& file) {
     const auto refuse = [&](const std::string& what, const std::string& name) {
-        throw Failure(fmt::format("the plugin {} adds the {} '{}', which is not of its own family '{}'; call it '{}.{}'", file, what, name, family, family,
-                                  name.substr(name.find('.') + 1)));
+        throw Failure(fmt::format(
+            "the plugin {} adds the {} '{}', which is not of its own family '{}'; call it '{}.{}'",
+            file, what, name, family, family, name.substr(name.find('.') + 1)));
     };
     std::vector<std::string> out;
     for (const auto& name : registry.node_names()) {
@@ -72,15 +89,21 @@ std::vector<std::string> own_types(const Registry& before, const Registry& regis
     }
     const auto known = before.payloads().size();
     for (auto n = known; n < registry.payloads().size(); ++n)
-        if (const auto& name = registry.payloads()[n].name; !name.starts_with(family + ".")) refuse("payload type", name);
+        if (const auto& name = registry.payloads()[n].name; !name.starts_with(family + "."))
+            refuse("payload type", name);
     for (const auto& from : before.payloads())
         for (const auto& to : before.payloads())
             if (registry.accepts(to.type, from.type) != before.accepts(to.type, from.type))
-                throw Failure(fmt::format("the plugin {} converts '{}' to '{}' for all nodes; it may only convert from and to types of its own family '{}'",
-                                          file, from.name, to.name, family));
-            else if (registry.selection(from.type, to.type) != nullptr && !before.selection(from.type, to.type))
-                throw Failure(fmt::format("the plugin {} picks '{}' from '{}' for all nodes; it may only pick from and to types of its own family '{}'", file,
-                                          to.name, from.name, family));
+                throw Failure(
+                    fmt::format("the plugin {} converts '{}' to '{}' for all nodes; it may only "
+                                "convert from and to types of its own family '{}'",
+                                file, from.name, to.name, family));
+            else if (registry.selection(from.type, to.type) != nullptr &&
+                     !before.selection(from.type, to.type))
+                throw Failure(
+                    fmt::format("the plugin {} picks '{}' from '{}' for all nodes; it may only "
+                                "pick from and to types of its own family '{}'",
+                                file, to.name, from.name, family));
     return out;
 }
 
@@ -88,7 +111,8 @@ std::vector<std::string> own_types(const Registry& before, const Registry& regis
 std::optional<fs::path> open_to_all(const fs::path& file, const fs::path& folder) {
     std::error_code error;
     for (auto path = file;; path = path.parent_path()) {
-        if ((fs::status(path, error).permissions() & fs::perms::others_write) != fs::perms::none) return path;
+        if ((fs::status(path, error).permissions() & fs::perms::others_write) != fs::perms::none)
+            return path;
         if (path == folder || path == path.root_path()) return std::nullopt;
     }
 }
@@ -100,27 +124,34 @@ std::string refusal(const std::string& as_written, const fs::path& file, const P
     for (const auto& each : trust.folders) {
         std::error_code error;
         const auto folder = fs::canonical(each, error);
-        if (error || std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first != folder.end()) continue;
+        if (error || std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first !=
+                         folder.end())
+            continue;
         const auto open = open_to_all(file, folder);
         if (!open) return {};
-        why = fmt::format("it lies in the trusted folder {}, but everybody may write to {}", each, open->string());
+        why = fmt::format("it lies in the trusted folder {}, but everybody may write to {}", each,
+                          open->string());
     }
     return fmt::format(
-        "the plugin {} is not loaded: it is code that would run with your rights, and {}; if you trust {}, give --allow-plugins, or name "
-        "a folder that holds it, and that only you may write to, in the environment variable FLUIDCARVE_PLUGINS",
+        "the plugin {} is not loaded: it is code that would run with your rights, and {}; if you "
+        "trust {}, give --allow-plugins, or name "
+        "a folder that holds it, and that only you may write to, in the environment variable "
+        "FLUIDCARVE_PLUGINS",
         as_written, why, file.string());
 }
 
 /// The existing file that a plugin path refers to.
 /// @param looked  receives the paths that do not exist
-std::optional<fs::path> find_file(const Value& path, const PluginTrust& trust, std::vector<std::string>& looked) {
+std::optional<fs::path> find_file(const Value& path, const PluginTrust& trust,
+                                  std::vector<std::string>& looked) {
     std::vector<fs::path> folders{path.mark.source ? path.mark.source->folder : "", ""};
     for (const auto& folder : trust.folders) folders.emplace_back(folder);
     for (const auto& folder : folders) {
         std::error_code error;
         const auto file = fs::absolute(folder / path.text, error).lexically_normal();
         if (fs::is_regular_file(file, error)) return fs::canonical(file, error);
-        if (std::find(looked.begin(), looked.end(), file.string()) == looked.end()) looked.push_back(file.string());
+        if (std::find(looked.begin(), looked.end(), file.string()) == looked.end())
+            looked.push_back(file.string());
     }
     return std::nullopt;
 }
@@ -141,11 +172,13 @@ void load_plugin(const std::string& file, Registry& registry, PluginFiles& files
         if (loaded == file) return;
     // The loader would wait for the writer of a pipe.
     static_cast<void>(InputFile(file, {.what = "a plugin", .anywhere = true}));
-    // The path must be absolute: for a bare name dlopen searches the system's folders. RTLD_NOW finds missing symbols now; found later,
-    // they would end the program.
+    // The path must be absolute: for a bare name dlopen searches the system's folders. RTLD_NOW
+    // finds missing symbols now; found later, they would end the program.
     void* const library = dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!library)
-        throw Failure(fmt::format("the plugin {} can't be opened: {}; build it again with the headers of fluidcarve {}", file, dlerror(), FLUIDCARVE_VERSION));
+        throw Failure(fmt::format(
+            "the plugin {} can't be opened: {}; build it again with the headers of fluidcarve {}",
+            file, dlerror(), FLUIDCARVE_VERSION));
     const auto& header = *find<const PluginHeader>(library, file, "fluidcarve_plugin");
     check(header, file, registry, files);
     auto* const add_types = find<void(Registry&)>(library, file, "fluidcarve_register");
@@ -153,24 +186,34 @@ void load_plugin(const std::string& file, Registry& registry, PluginFiles& files
     try {
         add_types(with_plugin);
     } catch (const std::exception& error) {
-        throw Failure(fmt::format("the plugin {} failed to register its types: {}; none of them can be used", file, error.what()));
+        throw Failure(
+            fmt::format("the plugin {} failed to register its types: {}; none of them can be used",
+                        file, error.what()));
     } catch (...) {
         throw Failure(
-            fmt::format("the plugin {} failed to register its types: it threw something that is not a std::exception; none of them can be used", file));
+            fmt::format("the plugin {} failed to register its types: it threw something that is "
+                        "not a std::exception; none of them can be used",
+                        file));
     }
-    for (const auto& type : own_types(registry, with_plugin, header.family, file)) files[type] = file;
+    for (const auto& type : own_types(registry, with_plugin, header.family, file))
+        files[type] = file;
     registry = std::move(with_plugin);
 }
 
-void load_plugins(const Value& paths, const PluginTrust& trust, Registry& registry, PluginFiles& files, Problems& problems) {
+void load_plugins(const Value& paths, const PluginTrust& trust, Registry& registry,
+                  PluginFiles& files, Problems& problems) {
     for (const auto& path : paths.items) {
         if (path.kind != Value::Kind::scalar) continue;
-        const auto add = [&](const std::string& message) { problems.push_back({path.mark, message, {}, {}}); };
+        const auto add = [&](const std::string& message) {
+            problems.push_back({path.mark, message, {}, {}});
+        };
         std::vector<std::string> looked;
         const auto file = find_file(path, trust, looked);
         if (!file) {
-            add(fmt::format("there is no plugin {}: no file {}; build it, or correct the path", path.text, fmt::join(looked, ", ")));
-        } else if (const auto outside = Confinement::of_program().refusal(file->string()); !outside.empty()) {
+            add(fmt::format("there is no plugin {}: no file {}; build it, or correct the path",
+                            path.text, fmt::join(looked, ", ")));
+        } else if (const auto outside = Confinement::of_program().refusal(file->string());
+                   !outside.empty()) {
             add(fmt::format("the plugin {} is not loaded: it {}", path.text, outside));
         } else if (const auto why = refusal(path.text, *file, trust); !why.empty()) {
             add(why);

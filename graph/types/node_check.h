@@ -13,13 +13,21 @@ namespace fluidcarve {
 class NodeCheck {
 public:
     virtual ~NodeCheck() = default;
-    virtual bool stated(std::string_view field) const = 0;              ///< whether the pipeline states this input or parameter
-    virtual std::size_t connections(std::string_view input) const = 0;  ///< number of connections of an input
+    virtual bool stated(
+        std::string_view field) const = 0;  ///< whether the pipeline states this input or parameter
+    virtual std::size_t connections(
+        std::string_view input) const = 0;  ///< number of connections of an input
     /// Names of the connections of a named input, in the order of the file.
     virtual std::vector<std::string> names(std::string_view input) const = 0;
-    virtual void fault(std::string_view field, const std::string& message) = 0;  ///< adds a problem at the field, else at the node
-    virtual void fault(const Mark& at, const std::string& message) = 0;          ///< adds a problem inside a field's text, such as a program
-    virtual void warn(std::string_view field, const std::string& message) = 0;   ///< adds a warning at the field, else at the node
+    virtual void fault(
+        std::string_view field,
+        const std::string& message) = 0;  ///< adds a problem at the field, else at the node
+    virtual void fault(const Mark& at,
+                       const std::string& message) = 0;  ///< adds a problem inside a field's text,
+                                                         ///< such as a program
+    virtual void warn(
+        std::string_view field,
+        const std::string& message) = 0;  ///< adds a warning at the field, else at the node
 };
 
 }  // namespace fluidcarve

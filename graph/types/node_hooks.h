@@ -2,8 +2,9 @@
 
 namespace fluidcarve::detail {
 
-/// Defines `has_NAME<Node>`: whether a node has a member of that name with any signature. It derives from the node and from a class with
-/// such a member: if both have it, the name is ambiguous.
+/// Defines `has_NAME<Node>`: whether a node has a member of that name with any signature. It
+/// derives from the node and from a class with such a member: if both have it, the name is
+/// ambiguous.
 #define FLUIDCARVE_HOOK(name)                      \
     struct Other_##name {                          \
         int name;                                  \

@@ -1,21 +1,20 @@
 #pragma once
 
+#include "formats/file/path_pattern.h"
 #include "graph/types/context.h"
 #include "graph/types/further.h"
 #include "graph/types/growth.h"
 #include "graph/types/node_check.h"
 #include "graph/types/node_hooks.h"
+#include "graph/types/node_spec.h"
 #include "graph/types/outlook.h"
 #include "graph/types/param.h"
 #include "graph/types/payload.h"
 #include "graph/types/survey.h"
 
-#include <array>
 #include <concepts>
 #include <functional>
-#include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <type_traits>
 #include <typeindex>
@@ -23,207 +22,65 @@
 
 namespace fluidcarve {
 
-/// Types of input members in a node's `Ports`. A plain Ref<T> is one required connection; the others are:
-template <class T>
-struct Optional : Ref<T> {  ///< one connection or none; null if unconnected
-    using Ref<T>::operator=;
-};
-template <class T>
-using List = std::vector<Ref<T>>;  ///< one connection or more: `terms: [a, b]`
-template <class T>
-struct OptionalList : List<T> {  ///< empty if unconnected
-    using List<T>::operator=;
-};
-template <class T>
-using Named = std::vector<std::pair<std::string, Ref<T>>>;  ///< connections with names: `inputs: {d: a}`
-template <class T>
-struct OptionalNamed : Named<T> {  ///< empty if unconnected
-    using Named<T>::operator=;
-};
-/// Outputs named by a parameter (Declare::outputs_from): name to payload.
-using NamedOutputs = std::map<std::string, Payload>;
-
-/// An input of a node type.
-struct InputSpec {
-    enum class Arity { one, list, named };
-    std::string name;
-    std::string doc;
-    Arity arity = Arity::one;
-    std::type_index type = typeid(void);
-    /// Stores the connected payloads, all of type `type`, in a node's Ports.
-    /// @param names  of the connections, if the input is named
-    std::function<void(void* ports, const std::vector<Payload>&, const std::vector<std::string>& names)> set;
-    bool optional = false;  ///< may be unconnected
-};
-
-/// An output of a node type.
-struct OutputSpec {
-    std::string name;
-    std::string doc;
-    std::type_index type = typeid(void);
-    std::function<Payload(const void* ports)> get;
-};
-
-/// A parameter of a node type.
-struct ParamSpec {
-    std::string name;
-    std::string doc;
-    Shape shape;
-    Unit unit = Unit::none;
-    Range range;
-    bool required = false;
-    std::string fallback;  ///< the default as YAML; empty if the parameter is required
-    std::function<bool(void* params, const Value&, ValueReader&)> parse;
-    std::function<std::string(const void* params)> text;  ///< the value as YAML that `parse` reads back
-    /// The path of a path parameter; empty for all others.
-    std::function<const PathPattern&(const void* params)> path;
-    /// The files of a parameter of type WrittenPaths, by name; empty for all others.
-    std::function<const WrittenPaths&(const void* params)> written;
-};
-
-/// A node with bound parameters and, if it gathers, its state. Made anew for every run.
-struct Behaviour {
-    std::function<std::shared_ptr<void>()> make_ports;
-    std::function<void(void* ports, Context&)> run;              ///< called per frame, concurrently; empty if the node only gathers
-    std::function<void(const void* ports, Context&)> add;        ///< called in frame order, one at a time; empty if the node digests or does not gather
-    std::function<Payload(const void* ports, Context&)> digest;  ///< called per frame, concurrently: extracts the digest for `take`
-    std::function<void(const Payload& digest, Context&)> take;   ///< replaces `add`: called in frame order, one at a time
-    /// Hands a growing result of a former run, too small for this run, and its report entry to the node; called before `finish`.
-    std::function<void(const Payload& result, const nlohmann::ordered_json& entry)> resume;
-    std::function<void(void* ports, Context&)> finish;  ///< called once, after the last `add` and before any `run`
-};
-
-/// The description of a node type, made by Declare.
-struct NodeType {
-    std::string name;
-    std::string doc;
-    std::vector<InputSpec> inputs;
-    std::vector<OutputSpec> outputs;
-    std::vector<ParamSpec> params;
-    std::string outputs_param;               ///< the parameter that names further outputs, or empty
-    bool per_frame_outputs = true;           ///< false: `finish` makes the outputs, once
-    int version = 1;                         ///< part of the cache key: cached results of another version are not used
-    bool kept = false;                       ///< results are cached in the work folder, unless the pipeline states `cache: false`
-    std::type_index digest = typeid(void);   ///< type that `Behaviour::digest` returns; void: no digests
-    std::vector<std::string> digest_fields;  ///< inputs and parameters that the digest depends on
-    std::string concludes_from;              ///< the section of the report that `conclude` is handed; empty: there is no `conclude`
-    std::optional<Growth> growth;
-    bool runs_code = false;                                    ///< its parameters name code, such as a script: pipelines with it need --allow-plugins
-    bool in_place = false;                                     ///< outputs stand where inputs do: pictures that meet here have one size
-    std::map<std::string, std::string, std::less<>> as_named;  ///< output to the input whose grids it has, by their names
-
-    std::function<std::shared_ptr<void>()> make_params;
-    std::function<bool(const void* params)> gathers;
-    std::function<bool(const void* params, const Context&)> wants;  ///< whether a gatherer needs the frame of the context; empty: always
-    std::function<bool(const void* params)> animates;               ///< whether results change per frame though no input or file does; empty: never
-    /// The frames in which a gatherer delivers, by those that it takes; empty: the same.
-    std::function<std::vector<int>(const void* params, const std::vector<int>& frames)> retimes;
-    std::function<void(const void* params, NodeCheck&)> check;
-    std::function<void(const void* params, Survey&)> survey;    ///< empty: reads no files, and needs no grid of a name
-    std::function<void(const void* params, Outlook&)> foresee;  ///< empty: outputs lie where the inputs lie
-    /// Called after a run with what the node reported of all its frames; empty: nothing to say.
-    std::function<void(const void* params, const nlohmann::ordered_json& frames, Context&)> conclude;
-    std::function<Further(const void* params)> depends;  ///< empty: on nothing else
-    std::function<std::vector<OutputSpec>(const void* params)> named_outputs;
-    std::function<Behaviour(std::shared_ptr<const void> params)> bind;
-
-    const InputSpec* input(std::string_view name) const;
-    const ParamSpec* param(std::string_view name) const;
-    std::vector<std::string> field_names() const;  ///< names of inputs and parameters
-};
-
-namespace detail {
-template <class M>
-struct PortTraits;
-template <class T>
-struct PortTraits<Ref<T>> {
-    using type = T;
-    static constexpr auto arity = InputSpec::Arity::one;
-    static void set(Ref<T>& port, const std::vector<Payload>& in, const std::vector<std::string>&) { port = in.empty() ? nullptr : in[0].as<T>(); }
-};
-template <class T>
-struct PortTraits<Optional<T>> : PortTraits<Ref<T>> {};
-template <class T>
-struct PortTraits<List<T>> {
-    using type = T;
-    static constexpr auto arity = InputSpec::Arity::list;
-    static void set(List<T>& port, const std::vector<Payload>& in, const std::vector<std::string>&) {
-        port.clear();
-        for (const auto& payload : in) port.push_back(payload.as<T>());
-    }
-};
-template <class T>
-struct PortTraits<OptionalList<T>> : PortTraits<List<T>> {};
-template <class T>
-struct PortTraits<Named<T>> {
-    using type = T;
-    static constexpr auto arity = InputSpec::Arity::named;
-    static void set(Named<T>& port, const std::vector<Payload>& in, const std::vector<std::string>& names) {
-        port.clear();
-        for (std::size_t n = 0; n < in.size(); ++n) port.emplace_back(names[n], in[n].as<T>());
-    }
-};
-template <class T>
-struct PortTraits<OptionalNamed<T>> : PortTraits<Named<T>> {};
-template <class M>
-inline constexpr bool is_optional = false;
-template <class T>
-inline constexpr bool is_optional<Optional<T>> = true;
-template <class T>
-inline constexpr bool is_optional<OptionalList<T>> = true;
-template <class T>
-inline constexpr bool is_optional<OptionalNamed<T>> = true;
-struct NoParams {};
-template <class Node>
-struct ParamsOf {
-    using type = NoParams;
-};
-template <class Node>
-requires requires { typename Node::Params; }
-struct ParamsOf<Node> {
-    using type = typename Node::Params;
-};
-}  // namespace detail
-
 /// Declares a node type. `Node` is a plain struct with
 ///
-///     struct Params { ... };   optional; one const object for all frames; the fields' initialisers are the defaults
+///     struct Params { ... };
+///         optional; one const object for all frames; the fields' initialisers are the defaults
 ///     struct Ports { ... };    inputs and outputs; one object per frame
-///     static void run(const Params&, Ports&, Context&);              a node that works frame by frame
+///     static void run(const Params&, Ports&, Context&);
+///         a node that works frame by frame
 ///
-/// A node that gathers frames keeps its state in the struct, and has these members instead of the static `run`:
+/// A node that gathers frames keeps its state in the struct, and has these members instead of the
+/// static `run`:
 ///
-///     void add(const Params&, const Ports&, Context&);               called once per frame, in frame order
-///     void finish(const Params&, Ports&, Context&);                  sets the outputs, unless there is a run
-///     void run(const Params&, Ports&, Context&) const;               optional; called per frame after finish; sets the outputs
-///     static bool gathers(const Params&);                            optional; false: add and finish are not called
-///     static bool wants(const Params&, const Context&);              optional; false: add is not called for this frame
+///     void add(const Params&, const Ports&, Context&);
+///         called once per frame, in frame order
+///     void finish(const Params&, Ports&, Context&);
+///         sets the outputs, unless there is a run
+///     void run(const Params&, Ports&, Context&) const;
+///         optional; called per frame after finish; sets the outputs
+///     static bool gathers(const Params&);
+///         optional; false: add and finish are not called
+///     static bool wants(const Params&, const Context&);
+///         optional; false: add is not called for this frame
 ///
-/// If `add` needs only data that is much smaller than the frame, or expensive to compute, that data can be a digest. Digests are
-/// computed for many frames concurrently and cached, so that later runs do not need the frames:
+/// If `add` needs only data that is much smaller than the frame, or expensive to compute, that data
+/// can be a digest. Digests are computed for many frames concurrently and cached, so that later
+/// runs do not need the frames:
 ///
-///     static std::shared_ptr<Digest> digest(const Params&, const Ports&, Context&);       with Declare::digests
-///     void add(const Params&, const Ref<Digest>&, Context&);                              replaces the other add
+///     static std::shared_ptr<Digest> digest(const Params&, const Ports&, Context&);
+///         with Declare::digests
+///     void add(const Params&, const Ref<Digest>&, Context&);
+///         replaces the other add
 ///
 /// Any node may also have
 ///
-///     static bool animates(const Params&);                           true: runs per frame, even if no input or file does; false, if it gathers: has one result
-///     static std::vector<int> retimes(const Params&, const std::vector<int>&);           frames in which a node that gathers delivers, by those it takes
-///     static void check(const Params&, NodeCheck&);                  finds faults that involve several fields
-///     static void survey(const Params&, Survey&);                    looks at its files, and for grids that it needs, before the run
-///     static void foresee(const Params&, Outlook&);                  looks before the run at where its inputs lie
-///     static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&);       with Declare::concludes
-///     static Further depends(const Params&);                         names what its results depend on, too, such as what a script imports
+///     static bool animates(const Params&);
+///         true: runs per frame, even if no input or file does; false, if it gathers: has one
+///         result
+///     static std::vector<int> retimes(const Params&, const std::vector<int>&);
+///         frames in which a node that gathers delivers, by those it takes
+///     static void check(const Params&, NodeCheck&);
+///         finds faults that involve several fields
+///     static void survey(const Params&, Survey&);
+///         looks at its files, and for grids that it needs, before the run
+///     static void foresee(const Params&, Outlook&);
+///         looks before the run at where its inputs lie
+///     static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&);
+///         with Declare::concludes
+///     static Further depends(const Params&);
+///         names what its results depend on, too, such as what a script imports
 ///
-/// `conclude` is called once after a run, if all of the node's frames are done, in this run or an earlier one, with what it reported of
-/// them in one section, by frame number; of a node that runs once, its only entry. It warns, reports and tells lines.
+/// `conclude` is called once after a run, if all of the node's frames are done, in this run or an
+/// earlier one, with what it reported of them in one section, by frame number; of a node that runs
+/// once, its only entry. It warns, reports and tells lines.
 ///
 /// A node with a growing result (Declare::grows, Growth) may have
 ///
 ///     void resume(const Payload& result, const nlohmann::ordered_json& entry);
 ///
-/// It is called once, after the last `add` and before `finish`, if the cache holds a smaller result than wanted, with that result and
-/// its report entry. `finish` then continues the result.
+/// It is called once, after the last `add` and before `finish`, if the cache holds a smaller result
+/// than wanted, with that result and its report entry. `finish` then continues the result.
 template <class Node>
 class Declare {
 public:
@@ -237,33 +94,54 @@ public:
         type_.per_frame_outputs = has_run;
         type_.gathers = [](const void* params) {
             if constexpr (!has_add) return (void)params, false;
-            else if constexpr (detail::has_gathers<Node>) return Node::gathers(*static_cast<const Params*>(params));
+            else if constexpr (detail::has_gathers<Node>)
+                return Node::gathers(*static_cast<const Params*>(params));
             else return (void)params, true;
         };
         if constexpr (detail::has_wants<Node>)
-            type_.wants = [](const void* params, const Context& context) { return Node::wants(*static_cast<const Params*>(params), context); };
-        if constexpr (detail::has_animates<Node>) type_.animates = [](const void* params) { return Node::animates(*static_cast<const Params*>(params)); };
+            type_.wants = [](const void* params, const Context& context) {
+                return Node::wants(*static_cast<const Params*>(params), context);
+            };
+        if constexpr (detail::has_animates<Node>)
+            type_.animates = [](const void* params) {
+                return Node::animates(*static_cast<const Params*>(params));
+            };
         if constexpr (detail::has_retimes<Node>)
-            type_.retimes = [](const void* params, const std::vector<int>& frames) { return Node::retimes(*static_cast<const Params*>(params), frames); };
+            type_.retimes = [](const void* params, const std::vector<int>& frames) {
+                return Node::retimes(*static_cast<const Params*>(params), frames);
+            };
         if constexpr (detail::has_check<Node>)
-            type_.check = [](const void* params, NodeCheck& check) { Node::check(*static_cast<const Params*>(params), check); };
+            type_.check = [](const void* params, NodeCheck& check) {
+                Node::check(*static_cast<const Params*>(params), check);
+            };
         if constexpr (detail::has_survey<Node>)
-            type_.survey = [](const void* params, Survey& survey) { Node::survey(*static_cast<const Params*>(params), survey); };
+            type_.survey = [](const void* params, Survey& survey) {
+                Node::survey(*static_cast<const Params*>(params), survey);
+            };
         if constexpr (detail::has_foresee<Node>)
-            type_.foresee = [](const void* params, Outlook& ahead) { Node::foresee(*static_cast<const Params*>(params), ahead); };
+            type_.foresee = [](const void* params, Outlook& ahead) {
+                Node::foresee(*static_cast<const Params*>(params), ahead);
+            };
         if constexpr (detail::has_conclude<Node>)
-            type_.conclude = [](const void* params, const nlohmann::ordered_json& frames, Context& context) {
+            type_.conclude = [](const void* params, const nlohmann::ordered_json& frames,
+                                Context& context) {
                 Node::conclude(*static_cast<const Params*>(params), frames, context);
             };
-        if constexpr (detail::has_depends<Node>) type_.depends = [](const void* params) { return Node::depends(*static_cast<const Params*>(params)); };
+        if constexpr (detail::has_depends<Node>)
+            type_.depends = [](const void* params) {
+                return Node::depends(*static_cast<const Params*>(params));
+            };
         type_.bind = &bind;
     }
 
     template <class M, class P>
-    requires std::derived_from<Ports, P> Declare& input(std::string name, M P::*member, std::string doc) {
+    requires std::derived_from<Ports, P> Declare& input(std::string name, M P::*member,
+                                                        std::string doc) {
         using Traits = detail::PortTraits<M>;
-        type_.inputs.push_back({std::move(name), std::move(doc), Traits::arity, typeid(typename Traits::type),
-                                [member](void* ports, const std::vector<Payload>& in, const std::vector<std::string>& names) {
+        type_.inputs.push_back({std::move(name), std::move(doc), Traits::arity,
+                                typeid(typename Traits::type),
+                                [member](void* ports, const std::vector<Payload>& in,
+                                         const std::vector<std::string>& names) {
                                     Traits::set(static_cast<Ports*>(ports)->*member, in, names);
                                 },
                                 detail::is_optional<M>});
@@ -271,16 +149,21 @@ public:
     }
 
     template <class T, class P>
-    requires std::derived_from<Ports, P> Declare& output(std::string name, std::shared_ptr<T> P::*member, std::string doc) {
+    requires std::derived_from<Ports, P> Declare& output(std::string name,
+                                                         std::shared_ptr<T> P::*member,
+                                                         std::string doc) {
         type_.outputs.push_back({std::move(name), std::move(doc), typeid(std::remove_const_t<T>),
-                                 [member](const void* ports) { return Payload(static_cast<const Ports*>(ports)->*member); }});
+                                 [member](const void* ports) {
+                                     return Payload(static_cast<const Ports*>(ports)->*member);
+                                 }});
         return *this;
     }
 
     /// Declares further outputs, named and typed by a parameter, delivered in a NamedOutputs port.
     /// @param list  maps parsed params to the name and payload type of each output
-    Declare& outputs_from(std::string param, NamedOutputs Ports::*member,
-                          std::function<std::vector<std::pair<std::string, std::type_index>>(const Params&)> list) {
+    Declare& outputs_from(
+        std::string param, NamedOutputs Ports::*member,
+        std::function<std::vector<std::pair<std::string, std::type_index>>(const Params&)> list) {
         type_.outputs_param = std::move(param);
         type_.named_outputs = [member, list = std::move(list)](const void* params) {
             std::vector<OutputSpec> out;
@@ -295,24 +178,28 @@ public:
         return *this;
     }
 
-    /// Raise the version whenever the same inputs give another result: cached results of another version are not used.
+    /// Raise the version whenever the same inputs give another result: cached results of another
+    /// version are not used.
     Declare& version(int number) {
         type_.version = number;
         return *this;
     }
-    /// Caches results in the work folder by default. For nodes whose results are faster to read than to compute.
+    /// Caches results in the work folder by default. For nodes whose results are faster to read
+    /// than to compute.
     Declare& kept() {
         type_.kept = true;
         return *this;
     }
-    /// Declares that the node has a digest. @param fields  inputs and parameters that Node::digest depends on
+    /// Declares that the node has a digest.
+    /// @param fields  inputs and parameters that Node::digest depends on
     Declare& digests(std::vector<std::string> fields) {
         static_assert(has_digest);
         type_.digest = typeid(typename Digested<Node>::type);
         type_.digest_fields = std::move(fields);
         return *this;
     }
-    /// Declares that the node has a `conclude`. @param section  of the report, where `run` has an entry for each frame
+    /// Declares that the node has a `conclude`.
+    /// @param section  of the report, where `run` has an entry for each frame
     Declare& concludes(std::string section) {
         static_assert(detail::has_conclude<Node>);
         type_.concludes_from = std::move(section);
@@ -322,7 +209,8 @@ public:
         type_.growth = std::move(growth);
         return *this;
     }
-    /// Declares that all inputs lie over each other and outputs over them. Runs with pictures of different sizes are then refused.
+    /// Declares that all inputs lie over each other and outputs over them. Runs with pictures of
+    /// different sizes are then refused.
     Declare& in_place() {
         type_.in_place = true;
         return *this;
@@ -340,7 +228,8 @@ public:
 
     /// A parameter with a default: the value of its field in a fresh Params.
     template <class T, class P>
-    requires std::derived_from<Params, P> Declare& param(std::string name, T P::*member, Unit unit, Range range, std::string doc) {
+    requires std::derived_from<Params, P> Declare& param(std::string name, T P::*member, Unit unit,
+                                                         Range range, std::string doc) {
         auto spec = make_param(std::move(name), member, unit, range, std::move(doc));
         const Params fresh{};
         spec.fallback = ParamTraits<T>::text(fresh.*member);
@@ -349,42 +238,64 @@ public:
     }
     /// The same for a parameter that is not a number.
     template <class T, class P>
-    requires std::derived_from<Params, P> Declare& param(std::string name, T P::*member, std::string doc) {
+    requires std::derived_from<Params, P> Declare& param(std::string name, T P::*member,
+                                                         std::string doc) {
         return param(std::move(name), member, Unit::none, any_number(), std::move(doc));
     }
     /// A parameter that every pipeline must state.
     template <class T, class P>
-    requires std::derived_from<Params, P> Declare& required(std::string name, T P::*member, Unit unit, Range range, std::string doc) {
+    requires std::derived_from<Params, P> Declare& required(std::string name, T P::*member,
+                                                            Unit unit, Range range,
+                                                            std::string doc) {
         auto spec = make_param(std::move(name), member, unit, range, std::move(doc));
         spec.required = true;
         type_.params.push_back(std::move(spec));
         return *this;
     }
     template <class T, class P>
-    requires std::derived_from<Params, P> Declare& required(std::string name, T P::*member, std::string doc) {
+    requires std::derived_from<Params, P> Declare& required(std::string name, T P::*member,
+                                                            std::string doc) {
         return required(std::move(name), member, Unit::none, any_number(), std::move(doc));
     }
 
     operator NodeType() const { return type_; }
 
 private:
-    static constexpr bool has_run = requires(const Node node, const Params params, Ports& ports, Context& context) { node.run(params, ports, context); };
-    static constexpr bool has_digest = requires(const Params params, const Ports& ports, Context& context) { Node::digest(params, ports, context); };
+    static constexpr bool has_run =
+        requires(const Node node, const Params params, Ports& ports, Context& context) {
+        node.run(params, ports, context);
+    };
+    static constexpr bool has_digest =
+        requires(const Params params, const Ports& ports, Context& context) {
+        Node::digest(params, ports, context);
+    };
     template <class N>
     struct Digested {
-        using type = std::remove_cvref_t<decltype(*N::digest(std::declval<const Params&>(), std::declval<const Ports&>(), std::declval<Context&>()))>;
+        using type = std::remove_cvref_t<decltype(*N::digest(std::declval<const Params&>(),
+                                                             std::declval<const Ports&>(),
+                                                             std::declval<Context&>()))>;
     };
-    static constexpr bool has_add = has_digest || requires(Node node, const Params params, const Ports& ports, Context& context) {
+    static constexpr bool has_add = has_digest || requires(Node node, const Params params,
+                                                           const Ports& ports, Context& context) {
         node.add(params, ports, context);
     };
     static_assert(has_run || has_add, "a node needs run, or add and finish");
     // Without these checks, a hook with a wrong signature would be ignored.
-    static_assert(has_run || !detail::has_run<Node>, "`run` must be `static void run(const Params&, Ports&, Context&)`, or const if the node gathers");
-    static_assert(has_digest || !detail::has_digest<Node>, "`digest` must be `static std::shared_ptr<T> digest(const Params&, const Ports&, Context&)`");
-    static_assert(has_add || !detail::has_add<Node>, "`add` must be `void add(const Params&, const Ports&, Context&)`");
+    static_assert(has_run || !detail::has_run<Node>,
+                  "`run` must be `static void run(const Params&, Ports&, Context&)`, or const if "
+                  "the node gathers");
+    static_assert(has_digest || !detail::has_digest<Node>,
+                  "`digest` must be `static std::shared_ptr<T> digest(const Params&, const Ports&, "
+                  "Context&)`");
+    static_assert(has_add || !detail::has_add<Node>,
+                  "`add` must be `void add(const Params&, const Ports&, Context&)`");
     static_assert(
-        !detail::has_resume<Node> || requires(Node node, const Payload& result, const nlohmann::ordered_json& entry) { node.resume(result, entry); },
-        "`resume` must be `void resume(const Payload& result, const nlohmann::ordered_json& entry)`");
+        !detail::has_resume<Node> ||
+            requires(Node node, const Payload& result, const nlohmann::ordered_json& entry) {
+                node.resume(result, entry);
+            },
+        "`resume` must be `void resume(const Payload& result, const nlohmann::ordered_json& "
+        "entry)`");
     static_assert(
         !detail::has_gathers<Node> ||
             requires(const Params& params) {
@@ -408,20 +319,27 @@ private:
             requires(const Params& params, const std::vector<int>& frames) {
                 { Node::retimes(params, frames) } -> std::same_as<std::vector<int>>;
             },
-        "`retimes` must be `static std::vector<int> retimes(const Params&, const std::vector<int>&)`");
+        "`retimes` must be `static std::vector<int> retimes(const Params&, const "
+        "std::vector<int>&)`");
     static_assert(
-        !detail::has_check<Node> || requires(const Params& params, NodeCheck& check) { Node::check(params, check); },
+        !detail::has_check<Node> ||
+            requires(const Params& params, NodeCheck& check) { Node::check(params, check); },
         "`check` must be `static void check(const Params&, NodeCheck&)`");
     static_assert(
-        !detail::has_survey<Node> || requires(const Params& params, Survey& survey) { Node::survey(params, survey); },
+        !detail::has_survey<Node> ||
+            requires(const Params& params, Survey& survey) { Node::survey(params, survey); },
         "`survey` must be `static void survey(const Params&, Survey&)`");
     static_assert(
-        !detail::has_foresee<Node> || requires(const Params& params, Outlook& ahead) { Node::foresee(params, ahead); },
+        !detail::has_foresee<Node> ||
+            requires(const Params& params, Outlook& ahead) { Node::foresee(params, ahead); },
         "`foresee` must be `static void foresee(const Params&, Outlook&)`");
     static_assert(
         !detail::has_conclude<Node> ||
-            requires(const Params& params, const nlohmann::ordered_json& frames, Context& context) { Node::conclude(params, frames, context); },
-        "`conclude` must be `static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&)`");
+            requires(const Params& params, const nlohmann::ordered_json& frames, Context& context) {
+                Node::conclude(params, frames, context);
+            },
+        "`conclude` must be `static void conclude(const Params&, const nlohmann::ordered_json& "
+        "frames, Context&)`");
     static_assert(
         !detail::has_depends<Node> ||
             requires(const Params& params) {
@@ -430,23 +348,30 @@ private:
         "`depends` must be `static Further depends(const Params&)`");
 
     template <class T, class P>
-    static ParamSpec make_param(std::string name, T P::*member, Unit unit, Range range, std::string doc) {
+    static ParamSpec make_param(std::string name, T P::*member, Unit unit, Range range,
+                                std::string doc) {
         ParamSpec spec;
         spec.name = std::move(name);
         spec.doc = std::move(doc);
         spec.shape = ParamTraits<T>::shape();
         spec.unit = unit;
         spec.range = range;
-        spec.text = [member](const void* params) { return ParamTraits<T>::text(static_cast<const Params*>(params)->*member); };
+        spec.text = [member](const void* params) {
+            return ParamTraits<T>::text(static_cast<const Params*>(params)->*member);
+        };
         spec.parse = [member](void* params, const Value& value, ValueReader& reader) {
             auto got = ParamTraits<T>::parse(value, reader);
             if (got) static_cast<Params*>(params)->*member = std::move(*got);
             return got.has_value();
         };
         if constexpr (std::derived_from<T, PathPattern>)
-            spec.path = [member](const void* params) -> const PathPattern& { return static_cast<const Params*>(params)->*member; };
+            spec.path = [member](const void* params) -> const PathPattern& {
+                return static_cast<const Params*>(params)->*member;
+            };
         if constexpr (std::same_as<T, WrittenPaths>)
-            spec.written = [member](const void* params) -> const WrittenPaths& { return static_cast<const Params*>(params)->*member; };
+            spec.written = [member](const void* params) -> const WrittenPaths& {
+                return static_cast<const Params*>(params)->*member;
+            };
         return spec;
     }
 
@@ -456,7 +381,9 @@ private:
         Behaviour out;
         out.make_ports = [] { return std::make_shared<Ports>(); };
         if constexpr (has_run)
-            out.run = [params, node](void* ports, Context& context) { std::as_const(*node).run(*params, *static_cast<Ports*>(ports), context); };
+            out.run = [params, node](void* ports, Context& context) {
+                std::as_const(*node).run(*params, *static_cast<Ports*>(ports), context);
+            };
         if constexpr (has_add) {
             bool gathers = true;
             if constexpr (detail::has_gathers<Node>) gathers = Node::gathers(*params);
@@ -464,15 +391,25 @@ private:
                 if constexpr (has_digest) {
                     using Digest = typename Digested<Node>::type;
                     out.digest = [params](const void* ports, Context& context) {
-                        return Payload(Node::digest(*params, *static_cast<const Ports*>(ports), context));
+                        return Payload(
+                            Node::digest(*params, *static_cast<const Ports*>(ports), context));
                     };
-                    out.take = [params, node](const Payload& digest, Context& context) { node->add(*params, digest.as<Digest>(), context); };
+                    out.take = [params, node](const Payload& digest, Context& context) {
+                        node->add(*params, digest.as<Digest>(), context);
+                    };
                 } else {
-                    out.add = [params, node](const void* ports, Context& context) { node->add(*params, *static_cast<const Ports*>(ports), context); };
+                    out.add = [params, node](const void* ports, Context& context) {
+                        node->add(*params, *static_cast<const Ports*>(ports), context);
+                    };
                 }
                 if constexpr (detail::has_resume<Node>)
-                    out.resume = [node](const Payload& result, const nlohmann::ordered_json& entry) { node->resume(result, entry); };
-                out.finish = [params, node](void* ports, Context& context) { node->finish(*params, *static_cast<Ports*>(ports), context); };
+                    out.resume = [node](const Payload& result,
+                                        const nlohmann::ordered_json& entry) {
+                        node->resume(result, entry);
+                    };
+                out.finish = [params, node](void* ports, Context& context) {
+                    node->finish(*params, *static_cast<Ports*>(ports), context);
+                };
             }
         }
         return out;

@@ -1,42 +1,21 @@
 #pragma once
 
-#include <array>
+#include "carve/base/region.h"
+
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace fluidcarve {
 
-/// Where something lies in the world, over all frames, as far as it is known before a run: rather too much space than too little.
-struct Region {
-    struct Box {
-        std::array<double, 3> low, high;  ///< corners, world units
-    };
-    /// Where it would lie if a parameter were another.
-    struct Otherwise {
-        std::string how;  ///< the parameter, for messages: "`axes: y_to_z` in rig.curve"
-        std::vector<Box> boxes;
-    };
-    std::vector<Box> boxes;  ///< together they hold all of it; none: it is empty
-    std::vector<Otherwise> otherwise;
-};
-
-/// Whether any box of one list meets any of the other.
-bool meet(const std::vector<Region::Box>& a, const std::vector<Region::Box>& b);
-/// The box around all boxes. @param boxes  at least one
-Region::Box around(const std::vector<Region::Box>& boxes);
-/// A region whose boxes reach further on all sides. @param by  world units
-Region widened(Region region, double by);
-/// For messages: "(0, 0, 0) to (1, 2, 3)".
-std::string text_of(const Region::Box& box);
-
-/// Interface for a node's `foresee`, which looks at what is known of its inputs before a run starts.
+/// Interface for a node's `foresee`, which looks at what is known of its inputs before a run
+/// starts.
 class Outlook {
 public:
     virtual ~Outlook() = default;
     /// Where an input lies; null: not known, or not connected.
     virtual const Region* region(std::string_view input) const = 0;
-    virtual void lies(const Region& region) = 0;  ///< says where all outputs will lie; without a call it is not known
+    virtual void lies(const Region& region) = 0;  ///< says where all outputs will lie; without a
+                                                  ///< call it is not known
     virtual void warn(const std::string& message) = 0;
 };
 

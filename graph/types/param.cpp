@@ -1,5 +1,7 @@
 #include "graph/types/param.h"
 
+#include "carve/base/words.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -14,8 +16,10 @@ std::string number_text(double value) { return fmt::format("{}", value); }
 
 /// Parses a list of N numbers and checks each against the reader's range.
 template <std::size_t N>
-std::optional<std::array<double, N>> numbers(const Value& value, ValueReader& reader, const char* wanted) {
-    if (value.kind != Value::Kind::list || value.items.size() != N) return reader.unwanted(value, wanted), std::nullopt;
+std::optional<std::array<double, N>> numbers(const Value& value, ValueReader& reader,
+                                             const char* wanted) {
+    if (value.kind != Value::Kind::list || value.items.size() != N)
+        return reader.unwanted(value, wanted), std::nullopt;
     std::array<double, N> out{};
     bool good = true;
     for (std::size_t n = 0; n < N; ++n) {
@@ -28,14 +32,20 @@ std::optional<std::array<double, N>> numbers(const Value& value, ValueReader& re
 
 template <class P>
 std::optional<P> read_path(const Value& value, ValueReader& reader, std::string folder) {
-    if (value.kind != Value::Kind::scalar || value.text.empty()) return reader.unwanted(value, "a path"), std::nullopt;
+    if (value.kind != Value::Kind::scalar || value.text.empty())
+        return reader.unwanted(value, "a path"), std::nullopt;
     if (value.text.size() >= PATH_MAX)
-        return reader.fault(value, fmt::format("has {} bytes; a path has at most {}", value.text.size(), PATH_MAX - 1)), std::nullopt;
+        return reader.fault(value, fmt::format("has {} bytes; a path has at most {}",
+                                               value.text.size(), PATH_MAX - 1)),
+               std::nullopt;
     P path(value.text, std::move(folder));
     if (path.bad_token().empty()) return path;
     const auto best = nearest(path.bad_token(), {"####", "%04d", "$F4", "<frame04>", "<frame>"});
-    const auto remedy = best.empty() ? "use ####, %04d, $F4 or <frame>" : fmt::format("did you mean '{}'?", best);
-    return reader.fault(value, fmt::format("has '{}', which is no frame token; {}", path.bad_token(), remedy)), std::nullopt;
+    const auto remedy =
+        best.empty() ? "use ####, %04d, $F4 or <frame>" : fmt::format("did you mean '{}'?", best);
+    return reader.fault(value, fmt::format("has '{}', which is no frame token; {}",
+                                           path.bad_token(), remedy)),
+           std::nullopt;
 }
 
 }  // namespace
@@ -46,10 +56,9 @@ std::optional<double> parse_number(std::string_view text) {
     double out = 0;
     const auto* const end = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data(), end, out);
-    return stop == end && error == std::errc{} && std::isfinite(out) ? std::optional(out) : std::nullopt;
+    return stop == end && error == std::errc{} && std::isfinite(out) ? std::optional(out)
+                                                                     : std::nullopt;
 }
-
-int Count::of(int size) const { return static_cast<int>(std::lround(percent ? value / 100 * size : value)); }
 
 std::string to_text(Unit unit) {
     switch (unit) {
@@ -82,7 +91,8 @@ std::string to_text(const Shape& shape) {
         case Shape::Kind::map: {
             if (!shape.of.empty()) return "a map, each " + to_text(shape.of[0]);
             std::string fields;
-            for (const auto& [name, field] : shape.fields) fields += (fields.empty() ? "" : ", ") + name + ": " + to_text(field);
+            for (const auto& [name, field] : shape.fields)
+                fields += (fields.empty() ? "" : ", ") + name + ": " + to_text(field);
             return "{" + fields + "}";
         }
         case Shape::Kind::automatic: return "auto or " + to_text(shape.of.at(0));
@@ -93,23 +103,30 @@ std::string to_text(const Shape& shape) {
     return out;
 }
 
-void ValueReader::unwanted(const Value& value, const std::string& form) { fault(value, fmt::format("must be {}, not {}", form, value.describe())); }
+void ValueReader::unwanted(const Value& value, const std::string& form) {
+    fault(value, fmt::format("must be {}, not {}", form, value.describe()));
+}
 
 void ValueReader::fault(const Value& value, const std::string& message) {
-    if (value.kind != Value::Kind::unresolved) problems_.push_back({value.mark, what_ + " " + message, {}, {}});
+    if (value.kind != Value::Kind::unresolved)
+        problems_.push_back({value.mark, what_ + " " + message, {}, {}});
 }
 
 std::optional<double> ValueReader::number(const Value& value, bool whole) {
     const char* const wanted = whole ? "a whole number" : "a number";
     const auto parsed = value.kind == Value::Kind::scalar ? parse_number(value.text) : std::nullopt;
-    if (!parsed || (whole && *parsed != std::trunc(*parsed))) return unwanted(value, wanted), std::nullopt;
+    if (!parsed || (whole && *parsed != std::trunc(*parsed)))
+        return unwanted(value, wanted), std::nullopt;
     const double out = *parsed;
     constexpr double most = std::numeric_limits<int>::max();
-    if (whole && std::abs(out) > most) return unwanted(value, fmt::format("a whole number from {} to {}", -most, most)), std::nullopt;
+    if (whole && std::abs(out) > most)
+        return unwanted(value, fmt::format("a whole number from {} to {}", -most, most)),
+               std::nullopt;
     if (out < range_.min || out > range_.max) {
-        const auto bounds = std::isinf(range_.max)   ? fmt::format("at least {}", range_.min)
-                            : std::isinf(range_.min) ? fmt::format("at most {}", range_.max)
-                                                     : fmt::format("from {} to {}", range_.min, range_.max);
+        const auto bounds = std::isinf(range_.max) ? fmt::format("at least {}", range_.min)
+                            : std::isinf(range_.min)
+                                ? fmt::format("at most {}", range_.max)
+                                : fmt::format("from {} to {}", range_.min, range_.max);
         return fault(value, fmt::format("must be {}, not {}", bounds, value.text)), std::nullopt;
     }
     return out;
@@ -131,48 +148,68 @@ std::string ParamTraits<float>::text(float value) { return fmt::format("{}", val
 
 std::optional<float> ParamTraits<float>::parse(const Value& value, ValueReader& reader) {
     const auto number = reader.number(value, false);
-    if (number && std::abs(*number) > std::numeric_limits<float>::max()) return reader.unwanted(value, "a number up to 3.4e38"), std::nullopt;
+    if (number && std::abs(*number) > std::numeric_limits<float>::max())
+        return reader.unwanted(value, "a number up to 3.4e38"), std::nullopt;
     return number ? std::optional(static_cast<float>(*number)) : std::nullopt;
 }
 
-std::optional<std::string> ParamTraits<std::string>::parse(const Value& value, ValueReader& reader) {
+std::optional<std::string> ParamTraits<std::string>::parse(const Value& value,
+                                                           ValueReader& reader) {
     if (value.kind == Value::Kind::scalar) return value.text;
     return reader.unwanted(value, "a text"), std::nullopt;
 }
 
-std::optional<Vec3> ParamTraits<Vec3>::parse(const Value& value, ValueReader& reader) { return numbers<3>(value, reader, "[x, y, z]"); }
+std::optional<Vec3> ParamTraits<Vec3>::parse(const Value& value, ValueReader& reader) {
+    return numbers<3>(value, reader, "[x, y, z]");
+}
 
 std::string ParamTraits<Vec3>::text(const Vec3& value) {
-    return fmt::format("[{}, {}, {}]", number_text(value[0]), number_text(value[1]), number_text(value[2]));
+    return fmt::format("[{}, {}, {}]", number_text(value[0]), number_text(value[1]),
+                       number_text(value[2]));
 }
 
 std::optional<Interval> ParamTraits<Interval>::parse(const Value& value, ValueReader& reader) {
     const auto pair = numbers<2>(value, reader, "[low, high]");
     if (!pair) return std::nullopt;
-    if ((*pair)[0] > (*pair)[1]) return reader.fault(value, fmt::format("has its low end {} above its high end {}", (*pair)[0], (*pair)[1])), std::nullopt;
+    if ((*pair)[0] > (*pair)[1])
+        return reader.fault(value, fmt::format("has its low end {} above its high end {}",
+                                               (*pair)[0], (*pair)[1])),
+               std::nullopt;
     return Interval{(*pair)[0], (*pair)[1]};
 }
 
-std::string ParamTraits<Interval>::text(const Interval& value) { return fmt::format("[{}, {}]", number_text(value.low), number_text(value.high)); }
+std::string ParamTraits<Interval>::text(const Interval& value) {
+    return fmt::format("[{}, {}]", number_text(value.low), number_text(value.high));
+}
 
 std::optional<Count> ParamTraits<Count>::parse(const Value& value, ValueReader& reader) {
     const bool percent = value.text.ends_with('%');
-    const auto number = value.kind == Value::Kind::scalar ? parse_number(std::string_view(value.text).substr(0, value.text.size() - percent)) : std::nullopt;
-    if (!number || (!percent && *number != std::trunc(*number)) || std::abs(*number) > 1e6) return reader.unwanted(value, to_text(shape())), std::nullopt;
+    const auto number =
+        value.kind == Value::Kind::scalar
+            ? parse_number(std::string_view(value.text).substr(0, value.text.size() - percent))
+            : std::nullopt;
+    if (!number || (!percent && *number != std::trunc(*number)) || std::abs(*number) > 1e6)
+        return reader.unwanted(value, to_text(shape())), std::nullopt;
     return Count{*number, percent};
 }
 
-std::string ParamTraits<Count>::text(const Count& value) { return fmt::format("{}{}", value.value, value.percent ? "%" : ""); }
+std::string ParamTraits<Count>::text(const Count& value) { return text_of(value); }
 
 std::optional<InputPath> ParamTraits<InputPath>::parse(const Value& value, ValueReader& reader) {
-    const auto beside = read_path<InputPath>(value, reader, value.mark.source ? value.mark.source->folder : std::string());
+    const auto beside = read_path<InputPath>(
+        value, reader, value.mark.source ? value.mark.source->folder : std::string());
     if (!beside || beside->exists()) return beside;
     InputPath here(value.text);
     return here.exists() ? here : beside;
 }
 
-std::optional<OutputPath> ParamTraits<OutputPath>::parse(const Value& value, ValueReader& reader) { return read_path<OutputPath>(value, reader, {}); }
+std::optional<OutputPath> ParamTraits<OutputPath>::parse(const Value& value, ValueReader& reader) {
+    return read_path<OutputPath>(value, reader, {});
+}
 
-std::optional<WrittenPath> ParamTraits<WrittenPath>::parse(const Value& value, ValueReader& reader) { return read_path<WrittenPath>(value, reader, {}); }
+std::optional<WrittenPath> ParamTraits<WrittenPath>::parse(const Value& value,
+                                                           ValueReader& reader) {
+    return read_path<WrittenPath>(value, reader, {});
+}
 
 }  // namespace fluidcarve

@@ -1,7 +1,8 @@
 #pragma once
 
+#include "carve/base/values.h"
+#include "formats/file/path_pattern.h"
 #include "graph/text/value.h"
-#include "graph/types/frames.h"
 
 #include <array>
 #include <cstdint>
@@ -15,17 +16,8 @@
 
 namespace fluidcarve {
 
-using Vec3 = std::array<double, 3>;
-
-/// A number of seams: a whole number, or a percentage of the vertices along the carved axis. Negative removes, positive inserts.
-struct Count {
-    double value = 0;
-    bool percent = false;
-    /// The count as a whole number. @param size  vertices along the carved axis
-    int of(int size) const;
-};
-
-/// A file that the pipeline reads. A relative path starts at the folder of the text that states it, else at the current folder.
+/// A file that the pipeline reads. A relative path starts at the folder of the text that states it,
+/// else at the current folder.
 struct InputPath : PathPattern {
     using PathPattern::PathPattern;
 };
@@ -39,21 +31,22 @@ struct OutputPath : PathPattern {
 struct WrittenPath : PathPattern {
     using PathPattern::PathPattern;
 };
-/// Such files by name: `files: {smoke: out/smoke.####.vdb}`. The pipeline's check refuses a file that no other node writes.
+/// Such files by name: `files: {smoke: out/smoke.####.vdb}`. The pipeline's check refuses a file
+/// that no other node writes.
 using WrittenPaths = std::map<std::string, WrittenPath>;
 
-/// A value, or nothing for `auto`.
-template <class T>
-using Auto = std::optional<T>;
-
-/// `[low, high]`, low <= high.
-struct Interval {
-    double low = 0;
-    double high = 0;
-};
-
 /// The unit of a parameter, shown in the reference.
-enum class Unit { none, world, voxels, vertices, seams, frames, per_world, world_per_second, pixels };
+enum class Unit {
+    none,
+    world,
+    voxels,
+    vertices,
+    seams,
+    frames,
+    per_world,
+    world_per_second,
+    pixels
+};
 std::string to_text(Unit unit);
 
 /// Inclusive bounds of each number in a parameter's value.
@@ -65,13 +58,31 @@ constexpr Range at_least(double min) { return {min, std::numeric_limits<double>:
 constexpr Range between(double min, double max) { return {min, max}; }
 constexpr Range any_number() { return {}; }
 
-/// The form of a parameter's value. Messages, the reference and the JSON schema are derived from it.
+/// The form of a parameter's value. Messages, the reference and the JSON schema are derived from
+/// it.
 struct Shape {
-    enum class Kind { boolean, integer, number, text, input_path, output_path, count, vector, interval, choice, list, map, automatic, any_of };
+    enum class Kind {
+        boolean,
+        integer,
+        number,
+        text,
+        input_path,
+        output_path,
+        count,
+        vector,
+        interval,
+        choice,
+        list,
+        map,
+        automatic,
+        any_of
+    };
     Kind kind = Kind::text;
-    std::vector<std::string> choices;                        ///< of `choice`: the names
-    std::vector<Shape> of;                                   ///< of `list`, `map`, `automatic`: the shape of a value; of `any_of`: the alternatives
-    std::vector<std::pair<std::string, Shape>> fields = {};  ///< of a map with fixed fields: name and shape of each; `of` is then empty
+    std::vector<std::string> choices;  ///< of `choice`: the names
+    std::vector<Shape>
+        of;  ///< of `list`, `map`, `automatic`: the shape of a value; of `any_of`: the alternatives
+    std::vector<std::pair<std::string, Shape>> fields =
+        {};  ///< of a map with fixed fields: name and shape of each; `of` is then empty
 };
 /// The shape in words.
 std::string to_text(const Shape& shape);
@@ -82,12 +93,14 @@ std::optional<double> parse_number(std::string_view text);
 /// Collects the faults in one field's value.
 class ValueReader {
 public:
-    ValueReader(Problems& problems, std::string what, Range range) : problems_(problems), what_(std::move(what)), range_(range) {}
+    ValueReader(Problems& problems, std::string what, Range range)
+        : problems_(problems), what_(std::move(what)), range_(range) {}
     /// Adds the problem "<what> must be <form>, not <value>" at the value's place.
     void unwanted(const Value& value, const std::string& form);
     /// Adds the problem "<what> <message>" at the value's place.
     void fault(const Value& value, const std::string& message);
-    /// A finite number within the range; else adds a problem and returns nothing. @param whole  accept whole numbers only
+    /// A finite number within the range; else adds a problem and returns nothing.
+    /// @param whole  accept whole numbers only
     std::optional<double> number(const Value& value, bool whole);
 
 private:
@@ -98,15 +111,12 @@ private:
 
 /// How a C++ type is read from a Value. Specialise it for a node's own parameter type:
 ///   static Shape shape();
-///   static std::optional<T> parse(const Value&, ValueReader&);   returns nothing after it added a problem
-///   static std::string text(const T&);                           the value as YAML that parse reads back
+///   static std::optional<T> parse(const Value&, ValueReader&);
+///       returns nothing after it added a problem
+///   static std::string text(const T&);
+///       the value as YAML that parse reads back
 template <class T>
 struct ParamTraits;
-
-/// Names of an enum's values in YAML. Specialise it with
-///   static constexpr std::array names = {std::pair{"linear", Interpolation::linear}, ...};
-template <class E>
-struct ChoiceNames;
 
 template <>
 struct ParamTraits<bool> {
@@ -123,7 +133,9 @@ struct ParamTraits<int> {
 template <>
 struct ParamTraits<double> {
     static Shape shape() { return {Shape::Kind::number, {}, {}}; }
-    static std::optional<double> parse(const Value& value, ValueReader& reader) { return reader.number(value, false); }
+    static std::optional<double> parse(const Value& value, ValueReader& reader) {
+        return reader.number(value, false);
+    }
     static std::string text(double value);
 };
 template <>
@@ -179,18 +191,23 @@ template <class T>
 struct ParamTraits<std::optional<T>> {
     static Shape shape() { return {Shape::Kind::automatic, {}, {ParamTraits<T>::shape()}}; }
     static std::optional<std::optional<T>> parse(const Value& value, ValueReader& reader) {
-        if (value.kind == Value::Kind::scalar && value.text == "auto") return std::optional<std::optional<T>>(std::in_place, std::nullopt);
-        if (auto got = ParamTraits<T>::parse(value, reader)) return std::optional<std::optional<T>>(std::in_place, std::move(*got));
+        if (value.kind == Value::Kind::scalar && value.text == "auto")
+            return std::optional<std::optional<T>>(std::in_place, std::nullopt);
+        if (auto got = ParamTraits<T>::parse(value, reader))
+            return std::optional<std::optional<T>>(std::in_place, std::move(*got));
         return std::nullopt;
     }
-    static std::string text(const std::optional<T>& value) { return value ? ParamTraits<T>::text(*value) : "auto"; }
+    static std::string text(const std::optional<T>& value) {
+        return value ? ParamTraits<T>::text(*value) : "auto";
+    }
 };
 
 template <class T>
 struct ParamTraits<std::vector<T>> {
     static Shape shape() { return {Shape::Kind::list, {}, {ParamTraits<T>::shape()}}; }
     static std::optional<std::vector<T>> parse(const Value& value, ValueReader& reader) {
-        if (value.kind != Value::Kind::list) return reader.unwanted(value, to_text(shape())), std::nullopt;
+        if (value.kind != Value::Kind::list)
+            return reader.unwanted(value, to_text(shape())), std::nullopt;
         std::vector<T> out;
         for (const auto& item : value.items)
             if (auto got = ParamTraits<T>::parse(item, reader)) out.push_back(std::move(*got));
@@ -198,7 +215,8 @@ struct ParamTraits<std::vector<T>> {
     }
     static std::string text(const std::vector<T>& value) {
         std::string out;
-        for (const auto& item : value) out += (out.empty() ? "" : ", ") + ParamTraits<T>::text(item);
+        for (const auto& item : value)
+            out += (out.empty() ? "" : ", ") + ParamTraits<T>::text(item);
         return "[" + out + "]";
     }
 };
@@ -207,15 +225,18 @@ template <class T>
 struct ParamTraits<std::map<std::string, T>> {
     static Shape shape() { return {Shape::Kind::map, {}, {ParamTraits<T>::shape()}}; }
     static std::optional<std::map<std::string, T>> parse(const Value& value, ValueReader& reader) {
-        if (value.kind != Value::Kind::map) return reader.unwanted(value, to_text(shape())), std::nullopt;
+        if (value.kind != Value::Kind::map)
+            return reader.unwanted(value, to_text(shape())), std::nullopt;
         std::map<std::string, T> out;
         for (const auto& field : value.fields)
-            if (auto got = ParamTraits<T>::parse(field.value, reader)) out.emplace(field.name, std::move(*got));
+            if (auto got = ParamTraits<T>::parse(field.value, reader))
+                out.emplace(field.name, std::move(*got));
         return out.size() == value.fields.size() ? std::optional(std::move(out)) : std::nullopt;
     }
     static std::string text(const std::map<std::string, T>& value) {
         std::string out;
-        for (const auto& [name, item] : value) out += (out.empty() ? "" : ", ") + name + ": " + ParamTraits<T>::text(item);
+        for (const auto& [name, item] : value)
+            out += (out.empty() ? "" : ", ") + name + ": " + ParamTraits<T>::text(item);
         return "{" + out + "}";
     }
 };
@@ -233,11 +254,7 @@ struct ParamTraits<E> {
             if (value.kind == Value::Kind::scalar && value.text == name) return choice;
         return reader.unwanted(value, to_text(shape())), std::nullopt;
     }
-    static std::string text(E value) {
-        for (const auto& [name, choice] : ChoiceNames<E>::names)
-            if (choice == value) return name;
-        return {};
-    }
+    static std::string text(E value) { return choice_text(value); }
 };
 
 }  // namespace fluidcarve

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "carve/base/values.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -10,16 +12,13 @@
 
 namespace fluidcarve {
 
-/// Shared data on an edge of the graph. It is never changed after its creation: a node that edits makes a copy.
-template <class T>
-using Ref = std::shared_ptr<const T>;
-
 /// A type-erased Ref, as the runtime passes it between nodes.
 class Payload {
 public:
     Payload() = default;
     template <class T>
-    explicit Payload(std::shared_ptr<T> data) : data_(std::move(data)), type_(typeid(std::remove_const_t<T>)) {}
+    explicit Payload(std::shared_ptr<T> data)
+        : data_(std::move(data)), type_(typeid(std::remove_const_t<T>)) {}
 
     explicit operator bool() const { return data_ != nullptr; }
     std::type_index type() const { return type_; }
@@ -46,9 +45,11 @@ struct PayloadType {
     int version = 0;  ///< version of the format that `write` writes
     /// Writes a value to a file, bit for bit; empty: values can't be cached.
     std::function<void(const Payload&, std::ostream&)> write;
-    std::function<Payload(std::istream&)> read;  ///< reads what `write` wrote; throws Failure on anything else
+    std::function<Payload(std::istream&)>
+        read;  ///< reads what `write` wrote; throws Failure on anything else
 
-    /// A checksum of a value that runs deliver once; the files that are made with it state it (Provenance). Empty: they do not.
+    /// A checksum of a value that runs deliver once; the files that are made with it state it
+    /// (Provenance). Empty: they do not.
     std::function<std::string(const Payload&)> checksum;
 };
 
@@ -64,11 +65,21 @@ struct Filed {
 /// @param bytes  bytes of memory that a value holds
 /// @param filed  left out: values can't be cached
 template <class T>
-PayloadType payload_type(std::string name, std::string doc, std::function<std::uint64_t(const T&)> bytes, Filed<T> filed = {}) {
-    PayloadType out{std::move(name), std::move(doc), typeid(T), [bytes = std::move(bytes)](const Payload& payload) { return bytes(*payload.as<T>()); },
-                    filed.version,   nullptr,        nullptr,   nullptr};
+PayloadType payload_type(std::string name, std::string doc,
+                         std::function<std::uint64_t(const T&)> bytes, Filed<T> filed = {}) {
+    PayloadType out{
+        std::move(name),
+        std::move(doc),
+        typeid(T),
+        [bytes = std::move(bytes)](const Payload& payload) { return bytes(*payload.as<T>()); },
+        filed.version,
+        nullptr,
+        nullptr,
+        nullptr};
     if (!filed.write) return out;
-    out.write = [write = std::move(filed.write)](const Payload& payload, std::ostream& to) { write(*payload.as<T>(), to); };
+    out.write = [write = std::move(filed.write)](const Payload& payload, std::ostream& to) {
+        write(*payload.as<T>(), to);
+    };
     out.read = [read = std::move(filed.read)](std::istream& from) { return Payload(read(from)); };
     return out;
 }
@@ -80,8 +91,8 @@ struct Conversion {
     std::function<Payload(const Payload&)> convert;
 };
 
-/// A way to parts of a payload by name: an input of type `to` also takes `node.part`, if the node's first output is of type `from` and has
-/// no names of its own for parts (Declare::outputs_from).
+/// A way to parts of a payload by name: an input of type `to` also takes `node.part`, if the node's
+/// first output is of type `from` and has no names of its own for parts (Declare::outputs_from).
 struct Selection {
     std::type_index from = typeid(void);
     std::type_index to = typeid(void);
@@ -92,12 +103,16 @@ struct Selection {
 template <class From, class To>
 Selection selection(std::function<Ref<To>(const From&, const std::string& part)> pick) {
     return {typeid(From), typeid(To),
-            [pick = std::move(pick)](const Payload& payload, const std::string& part) { return Payload(pick(*payload.as<From>(), part)); }};
+            [pick = std::move(pick)](const Payload& payload, const std::string& part) {
+                return Payload(pick(*payload.as<From>(), part));
+            }};
 }
 
 template <class From, class To>
 Conversion conversion(std::function<Ref<To>(const Ref<From>&)> convert) {
-    return {typeid(From), typeid(To), [convert = std::move(convert)](const Payload& payload) { return Payload(convert(payload.as<From>())); }};
+    return {typeid(From), typeid(To), [convert = std::move(convert)](const Payload& payload) {
+                return Payload(convert(payload.as<From>()));
+            }};
 }
 
 }  // namespace fluidcarve

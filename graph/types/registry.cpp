@@ -1,6 +1,6 @@
 #include "graph/types/registry.h"
 
-#include "graph/text/words.h"
+#include "carve/base/words.h"
 #include "graph/types/file_fields.h"
 
 #include <fmt/format.h>
@@ -11,12 +11,14 @@
 namespace fluidcarve {
 
 const InputSpec* NodeType::input(std::string_view name) const {
-    const auto found = std::find_if(inputs.begin(), inputs.end(), [&](const InputSpec& each) { return each.name == name; });
+    const auto found = std::find_if(inputs.begin(), inputs.end(),
+                                    [&](const InputSpec& each) { return each.name == name; });
     return found == inputs.end() ? nullptr : &*found;
 }
 
 const ParamSpec* NodeType::param(std::string_view name) const {
-    const auto found = std::find_if(params.begin(), params.end(), [&](const ParamSpec& each) { return each.name == name; });
+    const auto found = std::find_if(params.begin(), params.end(),
+                                    [&](const ParamSpec& each) { return each.name == name; });
     return found == params.end() ? nullptr : &*found;
 }
 
@@ -28,14 +30,18 @@ std::vector<std::string> NodeType::field_names() const {
 }
 
 void Registry::add(NodeType type) {
-    const auto refuse = [&](const std::string& why) { throw std::logic_error(fmt::format("node type '{}': {}", type.name, why)); };
+    const auto refuse = [&](const std::string& why) {
+        throw std::logic_error(fmt::format("node type '{}': {}", type.name, why));
+    };
     if (type.name.find('.') == std::string::npos) refuse("a name is family.verb");
     if (type.doc.empty()) refuse("no doc");
     std::vector<std::string> seen;
     const auto take = [&](const std::string& name, const std::string& doc) {
-        if (name.empty() || find_field(common_fields, name)) refuse(fmt::format("'{}' can't name a field", name));
+        if (name.empty() || find_field(common_fields, name))
+            refuse(fmt::format("'{}' can't name a field", name));
         if (doc.empty()) refuse(fmt::format("'{}' has no doc", name));
-        if (std::find(seen.begin(), seen.end(), name) != seen.end()) refuse(fmt::format("two fields are called '{}'", name));
+        if (std::find(seen.begin(), seen.end(), name) != seen.end())
+            refuse(fmt::format("two fields are called '{}'", name));
         seen.push_back(name);
     };
     for (const auto& input : type.inputs) {
@@ -49,13 +55,15 @@ void Registry::add(NodeType type) {
         payload(output.type);
     }
     for (const auto& [output, input] : type.as_named)
-        if (!type.input(input)) refuse(fmt::format("it has no input '{}' whose grids '{}' could have", input, output));
+        if (!type.input(input))
+            refuse(fmt::format("it has no input '{}' whose grids '{}' could have", input, output));
     if (!nodes_.emplace(type.name, type).second) refuse("the name is taken");
 }
 
 void Registry::add(PayloadType type) {
     for (const auto& known : payloads_)
-        if (known.name == type.name || known.type == type.type) throw std::logic_error(fmt::format("payload type '{}' is registered twice", type.name));
+        if (known.name == type.name || known.type == type.type)
+            throw std::logic_error(fmt::format("payload type '{}' is registered twice", type.name));
     payloads_.push_back(std::move(type));
 }
 
@@ -77,7 +85,8 @@ std::vector<std::string> Registry::node_names() const {
 std::vector<std::string> Registry::families() const {
     std::vector<std::string> out;
     for (const auto& [name, type] : nodes_)
-        if (const auto family = name.substr(0, name.find('.')); out.empty() || out.back() != family) out.push_back(family);
+        if (const auto family = name.substr(0, name.find('.')); out.empty() || out.back() != family)
+            out.push_back(family);
     return out;
 }
 
@@ -99,7 +108,9 @@ const Selection* Registry::selection(std::type_index from, std::type_index to) c
     return nullptr;
 }
 
-bool Registry::accepts(std::type_index to, std::type_index from) const { return to == from || conversion(from, to); }
+bool Registry::accepts(std::type_index to, std::type_index from) const {
+    return to == from || conversion(from, to);
+}
 
 Payload Registry::convert(const Payload& payload, std::type_index to) const {
     if (!payload || payload.type() == to) return payload;

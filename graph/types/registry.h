@@ -12,10 +12,12 @@
 
 namespace fluidcarve {
 
-/// The node types, payload types, conversions and selections that a pipeline may use. A plain value that the program, or a test, fills.
+/// The node types, payload types, conversions and selections that a pipeline may use. A plain value
+/// that the program, or a test, fills.
 class Registry {
 public:
-    /// @throws std::logic_error if the name is taken, a doc string is empty, or a port's payload type is not registered
+    /// @throws std::logic_error if the name is taken, a doc string is empty, or a port's payload
+    ///   type is not registered
     void add(NodeType type);
     void add(PayloadType type);
     void add(Conversion conversion);
@@ -31,7 +33,8 @@ public:
     /// Whether an input of type `to` takes a payload of type `from`, with or without a conversion.
     bool accepts(std::type_index to, std::type_index from) const;
     Payload convert(const Payload& payload, std::type_index to) const;
-    /// The way from payloads of a type to parts that an input of type `to` takes; null if there is none.
+    /// The way from payloads of a type to parts that an input of type `to` takes; null if there is
+    /// none.
     const Selection* selection(std::type_index from, std::type_index to) const;
     /// Names of all payload types that an input of the type takes: "volume, float or vector".
     std::string accepted_names(std::type_index to) const;

@@ -56,9 +56,16 @@ std::string join(const std::vector<std::string>& parts, const char* between) {
     return out;
 }
 
-std::string default_text(const ParamSpec& spec) { return spec.required ? "required" : "default " + (spec.fallback.empty() ? "empty" : spec.fallback); }
+std::string default_text(const ParamSpec& spec) {
+    return spec.required ? "required"
+                         : "default " + (spec.fallback.empty() ? "empty" : spec.fallback);
+}
 
-std::string value_text(const ParamSpec& spec) { return join({to_text(spec.shape), to_text(spec.unit), range_text(spec.range), default_text(spec)}, "; "); }
+std::string value_text(const ParamSpec& spec) {
+    return join(
+        {to_text(spec.shape), to_text(spec.unit), range_text(spec.range), default_text(spec)},
+        "; ");
+}
 
 std::string takes_text(const Registry& registry, const InputSpec& input) {
     const auto names = registry.accepted_names(input.type) + (input.optional ? "; optional" : "");
@@ -80,23 +87,29 @@ std::string arity_text(const InputSpec& input) {
 }
 
 std::string gives_text(const Registry& registry, const NodeType& type, const OutputSpec& output) {
-    return registry.payload(output.type).name + (type.per_frame_outputs ? "" : "; once for the whole sequence");
+    return registry.payload(output.type).name +
+           (type.per_frame_outputs ? "" : "; once for the whole sequence");
 }
 
 std::string more_outputs_text(const NodeType& type) {
-    return fmt::format("One more output for each entry of '{}', with the entry's name and type.", type.outputs_param);
+    return fmt::format("One more output for each entry of '{}', with the entry's name and type.",
+                       type.outputs_param);
 }
 
 /// What of a node is cached by default, in words; empty: nothing.
 std::string kept_text(const NodeType& type) {
     const bool digests = type.digest != typeid(void);
-    if (type.kept) return fmt::format("Kept in the work folder: results{}.", digests ? ", and what it takes of each frame" : "");
+    if (type.kept)
+        return fmt::format("Kept in the work folder: results{}.",
+                           digests ? ", and what it takes of each frame" : "");
     return digests ? "Kept in the work folder: what it takes of each frame." : "";
 }
 
 /// An example value of a shape, as YAML.
 std::string sample(const Shape& shape, const Range& range) {
-    const auto number = [&](double wanted) { return fmt::format("{}", std::clamp(wanted, range.min, range.max)); };
+    const auto number = [&](double wanted) {
+        return fmt::format("{}", std::clamp(wanted, range.min, range.max));
+    };
     switch (shape.kind) {
         case Shape::Kind::boolean: return "true";
         case Shape::Kind::integer:
@@ -105,7 +118,8 @@ std::string sample(const Shape& shape, const Range& range) {
         case Shape::Kind::input_path:
         case Shape::Kind::output_path: return "path/to/file";
         case Shape::Kind::count: return number(-12);
-        case Shape::Kind::vector: return fmt::format("[{}, {}, {}]", number(0), number(0), number(1));
+        case Shape::Kind::vector:
+            return fmt::format("[{}, {}, {}]", number(0), number(0), number(1));
         case Shape::Kind::interval: return fmt::format("[{}, {}]", number(0), number(1));
         case Shape::Kind::choice: return shape.choices.at(0);
         case Shape::Kind::automatic: return "auto";
@@ -115,7 +129,8 @@ std::string sample(const Shape& shape, const Range& range) {
     }
     if (!shape.of.empty()) return "{name: " + sample(shape.of[0], range) + "}";
     std::vector<std::string> fields;
-    for (const auto& [name, field] : shape.fields) fields.push_back(name + ": " + sample(field, range));
+    for (const auto& [name, field] : shape.fields)
+        fields.push_back(name + ": " + sample(field, range));
     return "{" + join(fields, ", ") + "}";
 }
 
@@ -126,19 +141,26 @@ std::string example(const Registry& registry, const NodeType& type, std::size_t 
     std::vector<std::pair<std::string, std::string>> lines;
     for (const auto& input : type.inputs) {
         if (input.optional) continue;
-        const auto node = input.arity == InputSpec::Arity::list ? "[a, b]" : input.arity == InputSpec::Arity::named ? "{a: a, b: b}" : input.name;
-        lines.emplace_back(input.name + ": " + node, "node or node.output: " + registry.accepted_names(input.type));
+        const auto node = input.arity == InputSpec::Arity::list    ? "[a, b]"
+                          : input.arity == InputSpec::Arity::named ? "{a: a, b: b}"
+                                                                   : input.name;
+        lines.emplace_back(input.name + ": " + node,
+                           "node or node.output: " + registry.accepted_names(input.type));
     }
     for (const auto& param : type.params)
-        if (param.required) lines.emplace_back(param.name + ": " + sample(param.shape, param.range), to_text(param.shape));
+        if (param.required)
+            lines.emplace_back(param.name + ": " + sample(param.shape, param.range),
+                               to_text(param.shape));
     std::size_t widest = 0;
     for (const auto& [line, comment] : lines) widest = std::max(widest, line.size());
-    for (const auto& [line, comment] : lines) out += fmt::format("{}  {:<{}}  # {}\n", margin, line, widest, comment);
+    for (const auto& [line, comment] : lines)
+        out += fmt::format("{}  {:<{}}  # {}\n", margin, line, widest, comment);
     return out;
 }
 
 std::string cell(std::string text) {
-    for (auto at = text.find('|'); at != std::string::npos; at = text.find('|', at + 2)) text.insert(at, "\\");
+    for (auto at = text.find('|'); at != std::string::npos; at = text.find('|', at + 2))
+        text.insert(at, "\\");
     std::replace(text.begin(), text.end(), '\n', ' ');
     return text.empty() ? " " : text;
 }
@@ -161,24 +183,33 @@ std::vector<PayloadType> travelling(const Registry& registry) {
     const auto travels = [&](const PayloadType& payload) {
         for (const auto& [name, type] : registry.nodes()) {
             const auto is = [&](const auto& port) { return port.type == payload.type; };
-            if (type.digest == payload.type && std::none_of(type.inputs.begin(), type.inputs.end(), is) &&
+            if (type.digest == payload.type &&
+                std::none_of(type.inputs.begin(), type.inputs.end(), is) &&
                 std::none_of(type.outputs.begin(), type.outputs.end(), is))
                 return false;
         }
         return true;
     };
-    std::copy_if(registry.payloads().begin(), registry.payloads().end(), std::back_inserter(out), travels);
+    std::copy_if(registry.payloads().begin(), registry.payloads().end(), std::back_inserter(out),
+                 travels);
     return out;
 }
 
 Json json_of(const Registry& registry, const NodeType& type) {
-    Json out{{"name", type.name}, {"doc", type.doc}, {"inputs", Json::array()}, {"params", Json::array()}, {"outputs", Json::array()}};
+    Json out{{"name", type.name},
+             {"doc", type.doc},
+             {"inputs", Json::array()},
+             {"params", Json::array()},
+             {"outputs", Json::array()}};
     for (const auto& input : type.inputs) {
         auto accepts = Json::array();
         for (const auto& payload : registry.payloads())
             if (registry.accepts(input.type, payload.type)) accepts.push_back(payload.name);
-        out["inputs"].push_back(
-            {{"name", input.name}, {"type", registry.payload(input.type).name}, {"accepts", accepts}, {"arity", arity_text(input)}, {"doc", input.doc}});
+        out["inputs"].push_back({{"name", input.name},
+                                 {"type", registry.payload(input.type).name},
+                                 {"accepts", accepts},
+                                 {"arity", arity_text(input)},
+                                 {"doc", input.doc}});
     }
     for (const auto& param : type.params) {
         Json entry{{"name", param.name}, {"value", to_text(param.shape)}};
@@ -192,7 +223,10 @@ Json json_of(const Registry& registry, const NodeType& type) {
         out["params"].push_back(std::move(entry));
     }
     for (const auto& output : type.outputs)
-        out["outputs"].push_back({{"name", output.name}, {"type", registry.payload(output.type).name}, {"once", !type.per_frame_outputs}, {"doc", output.doc}});
+        out["outputs"].push_back({{"name", output.name},
+                                  {"type", registry.payload(output.type).name},
+                                  {"once", !type.per_frame_outputs},
+                                  {"doc", output.doc}});
     if (!type.outputs_param.empty()) out["outputs_from"] = type.outputs_param;
     out["version"] = type.version;
     out["kept"] = type.kept;
@@ -202,7 +236,9 @@ Json json_of(const Registry& registry, const NodeType& type) {
 }  // namespace
 
 std::string listing(const Registry& registry, const std::string& only) {
-    const auto wanted = [&](const std::string& name) { return only.empty() || family_of(name) == only; };
+    const auto wanted = [&](const std::string& name) {
+        return only.empty() || family_of(name) == only;
+    };
     std::size_t widest = 0;
     for (const auto& [name, type] : registry.nodes())
         if (wanted(name)) widest = std::max(widest, name.size());
@@ -221,7 +257,8 @@ std::string listing(const Registry& registry, const std::string& only) {
 
 std::string describe(const Registry& registry, const NodeType& type) {
     std::string out = type.name + "\n" + wrapped(type.doc, 2);
-    const auto field = [&](const std::string& name, const std::string& value, const std::string& doc) {
+    const auto field = [&](const std::string& name, const std::string& value,
+                           const std::string& doc) {
         out += wrapped(name + ": " + value, 2) + wrapped(doc, 6);
     };
     if (!type.inputs.empty()) out += "\ninputs\n";
@@ -229,7 +266,8 @@ std::string describe(const Registry& registry, const NodeType& type) {
     if (!type.params.empty()) out += "\nparameters\n";
     for (const auto& param : type.params) field(param.name, value_text(param), param.doc);
     if (!type.outputs.empty() || !type.outputs_param.empty()) out += "\noutputs\n";
-    for (const auto& output : type.outputs) field(output.name, gives_text(registry, type, output), output.doc);
+    for (const auto& output : type.outputs)
+        field(output.name, gives_text(registry, type, output), output.doc);
     if (!type.outputs_param.empty()) out += wrapped(more_outputs_text(type), 2);
     if (const auto kept = kept_text(type); !kept.empty()) out += "\n" + wrapped(kept, 0);
     return out + "\nexample\n" + example(registry, type, 2);
@@ -239,12 +277,15 @@ std::string to_markdown(const Registry& registry, const NodeType& type) {
     std::string out = fmt::format("### {}\n\n{}\n", type.name, type.doc);
     if (!type.inputs.empty()) {
         out += "\n" + row({"input", "takes", ""}) + rule(3);
-        for (const auto& input : type.inputs) out += row({"`" + input.name + "`", takes_text(registry, input), input.doc});
+        for (const auto& input : type.inputs)
+            out += row({"`" + input.name + "`", takes_text(registry, input), input.doc});
     }
     if (!type.params.empty()) {
         out += "\n" + row({"parameter", "value", "unit", "default", ""}) + rule(5);
         for (const auto& param : type.params)
-            out += row({"`" + param.name + "`", join({to_text(param.shape), range_text(param.range)}, ", "), to_text(param.unit),
+            out += row({"`" + param.name + "`",
+                        join({to_text(param.shape), range_text(param.range)}, ", "),
+                        to_text(param.unit),
                         param.required           ? "required"
                         : param.fallback.empty() ? ""
                                                  : "`" + param.fallback + "`",
@@ -252,7 +293,8 @@ std::string to_markdown(const Registry& registry, const NodeType& type) {
     }
     if (!type.outputs.empty()) {
         out += "\n" + row({"output", "gives", ""}) + rule(3);
-        for (const auto& output : type.outputs) out += row({"`" + output.name + "`", gives_text(registry, type, output), output.doc});
+        for (const auto& output : type.outputs)
+            out += row({"`" + output.name + "`", gives_text(registry, type, output), output.doc});
     }
     if (!type.outputs_param.empty()) out += "\n" + more_outputs_text(type) + "\n";
     if (const auto kept = kept_text(type); !kept.empty()) out += "\n" + kept + "\n";
@@ -282,15 +324,21 @@ std::string to_markdown(const Registry& registry) {
         contents += fmt::format("\n  - [{}](#{}): {}", name, anchor, first_sentence(type.doc));
     }
     std::string out =
-        "# Nodes\n\nWritten by `fluidcarve nodes --markdown`. An input takes `node` (its first output) or `node.output`. Besides its own\n"
-        "fields every node takes `doc`, a note for readers, and `cache: true` or `false`: whether its results are kept in the work folder;\n"
-        "for a writer, whether files that are up to date stay as they are. Without `cache`, results are kept where that saves time.\n\n" +
-        contents + "\n" + body + "\n## What travels between nodes\n\n" + row({"type", ""}) + rule(2);
+        "# Nodes\n\nWritten by `fluidcarve nodes --markdown`. An input takes `node` (its first "
+        "output) or `node.output`. Besides its own\n"
+        "fields every node takes `doc`, a note for readers, and `cache: true` or `false`: whether "
+        "its results are kept in the work folder;\n"
+        "for a writer, whether files that are up to date stay as they are. Without `cache`, "
+        "results are kept where that saves time.\n\n" +
+        contents + "\n" + body + "\n## What travels between nodes\n\n" + row({"type", ""}) +
+        rule(2);
     for (const auto& payload : travelling(registry)) out += row({payload.name, payload.doc});
     return out;
 }
 
-std::string to_json(const Registry& registry, const NodeType& type) { return json_text(json_of(registry, type), 2) + "\n"; }
+std::string to_json(const Registry& registry, const NodeType& type) {
+    return json_text(json_of(registry, type), 2) + "\n";
+}
 
 std::string family_to_json(const Registry& registry, const std::string& family) {
     Json out{{"nodes", Json::array()}};
@@ -301,8 +349,10 @@ std::string family_to_json(const Registry& registry, const std::string& family) 
 
 std::string to_json(const Registry& registry) {
     Json out{{"nodes", Json::array()}, {"types", Json::array()}};
-    for (const auto& [name, type] : registry.nodes()) out["nodes"].push_back(json_of(registry, type));
-    for (const auto& payload : travelling(registry)) out["types"].push_back({{"name", payload.name}, {"doc", payload.doc}});
+    for (const auto& [name, type] : registry.nodes())
+        out["nodes"].push_back(json_of(registry, type));
+    for (const auto& payload : travelling(registry))
+        out["types"].push_back({{"name", payload.name}, {"doc", payload.doc}});
     return json_text(out, 2) + "\n";
 }
 

@@ -6,7 +6,8 @@
 
 namespace fluidcarve {
 
-// The reference of node types, for people and for programs. All of it is derived from the declarations (Declare).
+// The reference of node types, for people and for programs. All of it is derived from the
+// declarations (Declare).
 
 /// All node types by family, one line each.
 /// @param only  a family; empty: all
@@ -17,15 +18,20 @@ std::string describe(const Registry& registry, const NodeType& type);
 
 /// The whole reference as Markdown.
 std::string to_markdown(const Registry& registry);
-std::string to_markdown(const Registry& registry, const NodeType& type);  ///< the part about one node type
+std::string to_markdown(const Registry& registry,
+                        const NodeType& type);  ///< the part about one node type
 
-std::string family_to_markdown(const Registry& registry, const std::string& family);  ///< the part about a family
+std::string family_to_markdown(const Registry& registry,
+                               const std::string& family);  ///< the part about a family
 
 /// The whole reference as JSON:
-/// `{nodes: [{name, doc, inputs, params, outputs, outputs_from?, version, kept}], types: [{name, doc}]}`.
-/// A parameter has `name`, `value` (its form in words), `choices?`, `unit?`, `min?`, `max?`, `required` or `default` (as YAML), `doc`.
+/// `{nodes: [{name, doc, inputs, params, outputs, outputs_from?, version, kept}], types: [{name,
+/// doc}]}`.
+/// A parameter has `name`, `value` (its form in words), `choices?`, `unit?`, `min?`, `max?`,
+/// `required` or `default` (as YAML), `doc`.
 std::string to_json(const Registry& registry);
-std::string to_json(const Registry& registry, const NodeType& type);              ///< one entry of `nodes`
-std::string family_to_json(const Registry& registry, const std::string& family);  ///< `{nodes}` of a family
+std::string to_json(const Registry& registry, const NodeType& type);  ///< one entry of `nodes`
+std::string family_to_json(const Registry& registry,
+                           const std::string& family);  ///< `{nodes}` of a family
 
 }  // namespace fluidcarve

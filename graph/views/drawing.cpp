@@ -50,10 +50,14 @@ std::vector<Connection> connections(const Pipeline& pipeline, const Registry& re
             for (const auto& link : node.inputs[input]) {
                 const auto& source = pipeline.nodes[link.node];
                 const auto& output = source.outputs[link.output];
-                out.push_back({link.node, n,
-                               fmt::format("{}.{} ({}) -> {}.{}", source.name, taken_by(pipeline, link),
-                                           registry.payload(link.part.empty() ? output.type : node.type->inputs[input].type).name, node.name,
-                                           node.type->inputs[input].name)});
+                out.push_back(
+                    {link.node, n,
+                     fmt::format("{}.{} ({}) -> {}.{}", source.name, taken_by(pipeline, link),
+                                 registry
+                                     .payload(link.part.empty() ? output.type
+                                                                : node.type->inputs[input].type)
+                                     .name,
+                                 node.name, node.type->inputs[input].name)});
             }
     }
     return out;
@@ -68,8 +72,11 @@ std::string escaped_for_dot(const std::string& text) {
     return out;
 }
 
-/// Estimated text width in pixels: a little more than in DejaVu Sans, since the viewer may use another font.
-double text_width(const std::string& text, double size) { return static_cast<double>(text.size()) * size * 0.62; }
+/// Estimated text width in pixels: a little more than in DejaVu Sans, since the viewer may use
+/// another font.
+double text_width(const std::string& text, double size) {
+    return static_cast<double>(text.size()) * size * 0.62;
+}
 
 std::string path_of(const std::vector<Layout::Point>& route) {
     std::string out;
@@ -77,18 +84,23 @@ std::string path_of(const std::vector<Layout::Point>& route) {
         const auto& [x0, y0] = route[n];
         const auto& [x1, y1] = route[n + 1];
         const double middle = (x0 + x1) / 2;
-        out += fmt::format("{}{:.1f},{:.1f} C{:.1f},{:.1f} {:.1f},{:.1f} {:.1f},{:.1f}", n == 0 ? "M" : " L", x0, y0, middle, y0, middle, y1, x1, y1);
+        out += fmt::format("{}{:.1f},{:.1f} C{:.1f},{:.1f} {:.1f},{:.1f} {:.1f},{:.1f}",
+                           n == 0 ? "M" : " L", x0, y0, middle, y0, middle, y1, x1, y1);
     }
     return out;
 }
 
-std::string rounded(double x, double y, double width, double height, const char* colour, double border) {
-    return fmt::format(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" rx="7" fill="{}" stroke="{}" stroke-width="{}"/>)", x, y, width, height,
-                       colour, line_colour, border);
+std::string rounded(double x, double y, double width, double height, const char* colour,
+                    double border) {
+    return fmt::format(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" rx="7")"
+                       R"( fill="{}" stroke="{}" stroke-width="{}"/>)",
+                       x, y, width, height, colour, line_colour, border);
 }
 
 std::string label(double x, double y, double size, const char* weight, const std::string& text) {
-    return fmt::format(R"(<text x="{:.1f}" y="{:.1f}" font-size="{}" font-weight="{}" fill="{}">{}</text>)", x, y, size, weight, ink, xml_text(text));
+    return fmt::format(
+        R"(<text x="{:.1f}" y="{:.1f}" font-size="{}" font-weight="{}" fill="{}">{}</text>)", x, y,
+        size, weight, ink, xml_text(text));
 }
 
 /// The legend: a row of labels in the colours that they explain.
@@ -98,25 +110,32 @@ std::string legend(const Pipeline& pipeline, double& right) {
     double x = margin;
     const auto chip = [&](const char* colour, double border, const std::string& text) {
         const double width = text_width(text, 10) + 12;
-        out += rounded(x, margin, width, legend_height, colour, border) + label(x + 8, margin + 15, 10, "normal", text) + "\n";
+        out += rounded(x, margin, width, legend_height, colour, border) +
+               label(x + 8, margin + 15, 10, "normal", text) + "\n";
         x += width + 8;
     };
     for (const auto rate : {Rate::fixed, Rate::frame, Rate::sequence})
-        if (std::any_of(pipeline.nodes.begin(), pipeline.nodes.end(), [&](const Node& node) { return node.rate == rate; })) chip(fill(rate), 1, meaning(rate));
-    if (std::any_of(pipeline.nodes.begin(), pipeline.nodes.end(), [](const Node& node) { return node.gathers; })) chip("#ffffff", 2.5, "gathers all frames");
+        if (std::any_of(pipeline.nodes.begin(), pipeline.nodes.end(),
+                        [&](const Node& node) { return node.rate == rate; }))
+            chip(fill(rate), 1, meaning(rate));
+    if (std::any_of(pipeline.nodes.begin(), pipeline.nodes.end(),
+                    [](const Node& node) { return node.gathers; }))
+        chip("#ffffff", 2.5, "gathers all frames");
     right = x - 8;
     return out;
 }
 
 /// @param looks  one per node; or none: nodes are then coloured by rate, with a legend
-std::string draw(const Pipeline& pipeline, const Registry& registry, const std::vector<NodeLook>& looks) {
+std::string draw(const Pipeline& pipeline, const Registry& registry,
+                 const std::vector<NodeLook>& looks) {
     const bool plain = looks.empty();
     Layout layout;
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         const double note = plain ? 0 : text_width(looks[n].note, 11);
         layout.boxes.push_back(
-            {std::max({text_width(node.name, 13), text_width(node.type->name, 11), note}) + 20, box_height + (plain ? 0 : note_height), 0, 0});
+            {std::max({text_width(node.name, 13), text_width(node.type->name, 11), note}) + 20,
+             box_height + (plain ? 0 : note_height), 0, 0});
     }
     const auto links = connections(pipeline, registry);
     for (const auto& each : links) layout.edges.push_back({each.from, each.to, {}});
@@ -127,22 +146,30 @@ std::string draw(const Pipeline& pipeline, const Registry& registry, const std::
     const double top = plain ? 2 * margin + legend_height : margin;
     const double width = std::max(layout.width + 2 * margin, right + margin);
     auto out =
-        fmt::format(R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0:.0f}" height="{1:.0f}" viewBox="0 0 {0:.0f} {1:.0f}")"
+        fmt::format(R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0:.0f}" height="{1:.0f}")"
+                    R"( viewBox="0 0 {0:.0f} {1:.0f}")"
                     R"( font-family="'DejaVu Sans', Verdana, sans-serif"{2}>)"
                     "\n<title>{3}</title>\n",
-                    width, layout.height + top + margin, plain ? std::string() : fmt::format(R"( style="--width:{:.0f}px")", width), xml_text(pipeline.name));
+                    width, layout.height + top + margin,
+                    plain ? std::string() : fmt::format(R"( style="--width:{:.0f}px")", width),
+                    xml_text(pipeline.name));
     out += chips;
     out += fmt::format("<g transform=\"translate({},{})\">\n", margin, top);
     for (std::size_t n = 0; n < links.size(); ++n)
-        out += fmt::format(R"(<path class="edge" d="{}" fill="none" stroke="{}" stroke-width="1.6"><title>{}</title></path>)"
-                           "\n",
-                           path_of(layout.edges[n].route), line_colour, xml_text(links[n].text));
+        out +=
+            fmt::format(R"(<path class="edge" d="{}" fill="none" stroke="{}" stroke-width="1.6">)"
+                        R"(<title>{}</title></path>)"
+                        "\n",
+                        path_of(layout.edges[n].route), line_colour, xml_text(links[n].text));
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         const auto& box = layout.boxes[n];
-        out += fmt::format("<g class=\"node {}\"><title>{}</title>", plain ? to_text(node.rate) : looks[n].style, xml_text(node.type->doc));
-        out += rounded(box.x, box.y, box.width, box.height, fill(node.rate), node.gathers ? 2.5 : 1);
-        out += label(box.x + 10, box.y + 19, 13, "bold", node.name) + label(box.x + 10, box.y + 35, 11, "normal", node.type->name);
+        out += fmt::format("<g class=\"node {}\"><title>{}</title>",
+                           plain ? to_text(node.rate) : looks[n].style, xml_text(node.type->doc));
+        out +=
+            rounded(box.x, box.y, box.width, box.height, fill(node.rate), node.gathers ? 2.5 : 1);
+        out += label(box.x + 10, box.y + 19, 13, "bold", node.name) +
+               label(box.x + 10, box.y + 35, 11, "normal", node.type->name);
         if (!plain) out += label(box.x + 10, box.y + 51, 11, "normal", looks[n].note);
         out += "</g>\n";
     }
@@ -152,19 +179,31 @@ std::string draw(const Pipeline& pipeline, const Registry& registry, const std::
 }  // namespace
 
 std::string to_dot(const Pipeline& pipeline, const Registry& registry) {
-    auto out = fmt::format("digraph \"{}\" {{\n    rankdir=LR;\n    node [shape=box, style=\"rounded,filled\", fontname=\"DejaVu Sans\", fontsize=11];\n",
-                           escaped_for_dot(pipeline.name));
+    auto out = fmt::format(
+        "digraph \"{}\" {{\n    rankdir=LR;\n    node [shape=box, style=\"rounded,filled\", "
+        "fontname=\"DejaVu Sans\", fontsize=11];\n",
+        escaped_for_dot(pipeline.name));
     for (const auto& node : pipeline.nodes)
-        out += fmt::format("    \"{}\" [label=\"{}\\n{}\", fillcolor=\"{}\", penwidth={}, tooltip=\"{}\"];\n", escaped_for_dot(node.name),
-                           escaped_for_dot(node.name), escaped_for_dot(node.type->name), fill(node.rate), node.gathers ? 2.5 : 1, meaning(node.rate));
+        out += fmt::format(
+            "    \"{}\" [label=\"{}\\n{}\", fillcolor=\"{}\", penwidth={}, tooltip=\"{}\"];\n",
+            escaped_for_dot(node.name), escaped_for_dot(node.name),
+            escaped_for_dot(node.type->name), fill(node.rate), node.gathers ? 2.5 : 1,
+            meaning(node.rate));
     for (const auto& each : connections(pipeline, registry))
-        out += fmt::format("    \"{}\" -> \"{}\" [tooltip=\"{}\"];\n", escaped_for_dot(pipeline.nodes[each.from].name),
-                           escaped_for_dot(pipeline.nodes[each.to].name), escaped_for_dot(each.text));
+        out +=
+            fmt::format("    \"{}\" -> \"{}\" [tooltip=\"{}\"];\n",
+                        escaped_for_dot(pipeline.nodes[each.from].name),
+                        escaped_for_dot(pipeline.nodes[each.to].name), escaped_for_dot(each.text));
     return out + "}\n";
 }
 
-std::string to_svg(const Pipeline& pipeline, const Registry& registry) { return draw(pipeline, registry, {}); }
+std::string to_svg(const Pipeline& pipeline, const Registry& registry) {
+    return draw(pipeline, registry, {});
+}
 
-std::string to_svg(const Pipeline& pipeline, const Registry& registry, const std::vector<NodeLook>& looks) { return draw(pipeline, registry, looks); }
+std::string to_svg(const Pipeline& pipeline, const Registry& registry,
+                   const std::vector<NodeLook>& looks) {
+    return draw(pipeline, registry, looks);
+}
 
 }  // namespace fluidcarve

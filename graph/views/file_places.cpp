@@ -1,6 +1,6 @@
 #include "graph/views/file_places.h"
 
-#include "graph/text/one_line.h"
+#include "carve/base/one_line.h"
 
 #include <fmt/format.h>
 
@@ -24,8 +24,15 @@ FilePlaces file_places(const Pipeline& pipeline) {
             if (!writes && spec.shape.kind != Shape::Kind::input_path) continue;
             const auto& pattern = spec.path(node.params.get());
             if (pattern.text().empty()) continue;
-            FilePlace place{node.name, spec.name, absolute(pattern.in_its_folder()), writes, !writes && pattern.exists(), {}};
-            if (const auto here = absolute(pattern.text()); !writes && !place.found && here != place.path) place.tried_at = here;
+            FilePlace place{node.name,
+                            spec.name,
+                            absolute(pattern.in_its_folder()),
+                            writes,
+                            !writes && pattern.exists(),
+                            {}};
+            if (const auto here = absolute(pattern.text());
+                !writes && !place.found && here != place.path)
+                place.tried_at = here;
             out.push_back(std::move(place));
         }
     return out;
@@ -47,7 +54,8 @@ std::string user_of(const Pipeline& pipeline, const std::string& path) {
     const auto wanted = fs::weakly_canonical(fs::absolute(path, error), error);
     const auto name = wanted.filename().string();
     const auto is = [&](const std::string& other) {
-        return fs::path(other).filename() == name && fs::weakly_canonical(fs::absolute(other, error), error) == wanted;
+        return fs::path(other).filename() == name &&
+               fs::weakly_canonical(fs::absolute(other, error), error) == wanted;
     };
     for (const auto& file : pipeline.files)
         if (is(file)) return "it is the pipeline";
@@ -58,7 +66,8 @@ std::string user_of(const Pipeline& pipeline, const std::string& path) {
             const auto& pattern = spec.path(node.params.get());
             if (const auto ends = pattern.name_ends(); ends && !ends->fits({name, name})) continue;
             for (const auto frame : pipeline.frames.frames()) {
-                if (is(pattern.at(frame))) return fmt::format("'{}' {} it", node.name, reads ? "reads" : "writes");
+                if (is(pattern.at(frame)))
+                    return fmt::format("'{}' {} it", node.name, reads ? "reads" : "writes");
                 if (!pattern.per_frame()) break;
             }
         }

@@ -13,7 +13,8 @@ struct FilePlace {
     std::string path;      ///< absolute, with its frame token
     bool writes = false;   ///< an output
     bool found = false;    ///< of an input: whether a file of any frame is there
-    std::string tried_at;  ///< of an input that is not found: the other absolute path at which it was looked for, or empty
+    std::string tried_at;  ///< of an input that is not found: the other absolute path at which it
+                           ///< was looked for, or empty
 };
 using FilePlaces = std::vector<FilePlace>;
 
@@ -23,7 +24,8 @@ FilePlaces file_places(const Pipeline& pipeline);
 /// One line each, below `files:`: `sim.path is read at /shots/sim.####.vdb`.
 std::string to_text(const FilePlaces& places);
 
-/// How the pipeline uses a file: "'sim' reads it", "it is the pipeline"; empty if it does not. Checked before writing to the file.
+/// How the pipeline uses a file: "'sim' reads it", "it is the pipeline"; empty if it does not.
+/// Checked before writing to the file.
 std::string user_of(const Pipeline& pipeline, const std::string& path);
 
 }  // namespace fluidcarve

@@ -1,5 +1,7 @@
 #include "graph/views/layout.h"
 
+#include "carve/base/words.h"
+
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -40,12 +42,15 @@ private:
         items_.resize(count);
         for (std::size_t n = 0; n < count; ++n) items_[n].height = layout_.boxes[n].height;
         auto by_source = layout_.edges;
-        std::sort(by_source.begin(), by_source.end(), [](const auto& a, const auto& b) { return a.from < b.from; });
-        for (const auto& edge : by_source) items_[edge.to].column = std::max(items_[edge.to].column, items_[edge.from].column + 1);
+        std::sort(by_source.begin(), by_source.end(),
+                  [](const auto& a, const auto& b) { return a.from < b.from; });
+        for (const auto& edge : by_source)
+            items_[edge.to].column = std::max(items_[edge.to].column, items_[edge.from].column + 1);
         pull_sources();
         for (const auto& edge : layout_.edges) {
             std::vector<std::size_t> passage{edge.from};
-            for (auto column = items_[edge.from].column + 1; column < items_[edge.to].column; ++column) {
+            for (auto column = items_[edge.from].column + 1; column < items_[edge.to].column;
+                 ++column) {
                 passage.push_back(items_.size());
                 items_.emplace_back().column = column;
             }
@@ -112,7 +117,8 @@ private:
                     for (const auto each : neighbours) sum += static_cast<double>(rank[each]);
                     return sum / static_cast<double>(neighbours.size());
                 };
-                std::stable_sort(column.begin(), column.end(), [&](auto a, auto b) { return key(a) < key(b); });
+                std::stable_sort(column.begin(), column.end(),
+                                 [&](auto a, auto b) { return key(a) < key(b); });
             }
             if (const auto now = crossings(); now < fewest) {
                 fewest = now;
@@ -122,8 +128,8 @@ private:
         columns_ = std::move(best);
     }
 
-    /// Moves the items of a column towards the mean height of their neighbours, by least squares. Order and minimum gaps are kept
-    /// (pool adjacent violators).
+    /// Moves the items of a column towards the mean height of their neighbours, by least squares.
+    /// Order and minimum gaps are kept (pool adjacent violators).
     void level(const std::vector<std::size_t>& column, bool use_before, bool use_after) {
         struct Block {
             double sum;
@@ -135,10 +141,13 @@ private:
         std::vector<double> offset(column.size(), 0);
         for (std::size_t n = 0; n < column.size(); ++n) {
             const auto& item = items_[column[n]];
-            if (n > 0) offset[n] = offset[n - 1] + (items_[column[n - 1]].height + item.height) / 2 + row_gap;
+            if (n > 0)
+                offset[n] =
+                    offset[n - 1] + (items_[column[n - 1]].height + item.height) / 2 + row_gap;
             double sum = 0;
             double weight = 0;
-            for (const auto* side : {use_before ? &item.before : nullptr, use_after ? &item.after : nullptr})
+            for (const auto* side :
+                 {use_before ? &item.before : nullptr, use_after ? &item.after : nullptr})
                 if (side)
                     for (const auto each : *side) sum += items_[each].middle, weight += 1;
             // An item without neighbours is weakly tied to its present height.
@@ -154,7 +163,8 @@ private:
         }
         std::size_t n = 0;
         for (const auto& block : blocks)
-            for (std::size_t k = 0; k < block.size; ++k, ++n) items_[column[n]].middle = block.mean() + offset[n];
+            for (std::size_t k = 0; k < block.size; ++k, ++n)
+                items_[column[n]].middle = block.mean() + offset[n];
     }
 
     void set_heights() {
@@ -168,8 +178,10 @@ private:
             }
         }
         for (int sweep = 0; sweep < sweeps; ++sweep) {
-            for (std::size_t n = 0; n < columns_.size(); ++n) level(columns_[n], true, sweep + 2 > sweeps);
-            for (std::size_t n = columns_.size(); n-- > 0;) level(columns_[n], sweep + 2 > sweeps, true);
+            for (std::size_t n = 0; n < columns_.size(); ++n)
+                level(columns_[n], true, sweep + 2 > sweeps);
+            for (std::size_t n = columns_.size(); n-- > 0;)
+                level(columns_[n], sweep + 2 > sweeps, true);
         }
     }
 
@@ -211,10 +223,12 @@ private:
         }
     }
 
-    /// Vertical offset of an edge's end from the middle of its box: edges into the same box end a little apart, in the order of their
-    /// heights.
+    /// Vertical offset of an edge's end from the middle of its box: edges into the same box end a
+    /// little apart, in the order of their heights.
     double port(std::size_t edge) const {
-        const auto key = [&](std::size_t e) { return std::pair(items_[passages_[e][passages_[e].size() - 2]].middle, e); };
+        const auto key = [&](std::size_t e) {
+            return std::pair(items_[passages_[e][passages_[e].size() - 2]].middle, e);
+        };
         double rank = 0;
         double count = 0;
         for (std::size_t e = 0; e < passages_.size(); ++e) {
@@ -222,14 +236,16 @@ private:
             count += 1;
             rank += key(e) < key(edge) ? 1 : 0;
         }
-        const double gap = std::min(port_gap, (layout_.boxes[layout_.edges[edge].to].height - 12) / std::max(count - 1, 1.0));
+        const double gap = std::min(port_gap, (layout_.boxes[layout_.edges[edge].to].height - 12) /
+                                                  std::max(count - 1, 1.0));
         return (rank - (count - 1) / 2) * gap;
     }
 
     Layout& layout_;
-    std::vector<Item> items_;                         ///< first the boxes, in their order, then the passages of edges
-    std::vector<std::vector<std::size_t>> columns_;   ///< items, top to bottom
-    std::vector<std::vector<std::size_t>> passages_;  ///< per edge: the items on its way, both ends included
+    std::vector<Item> items_;  ///< first the boxes, in their order, then the passages of edges
+    std::vector<std::vector<std::size_t>> columns_;  ///< items, top to bottom
+    std::vector<std::vector<std::size_t>>
+        passages_;  ///< per edge: the items on its way, both ends included
 };
 
 }  // namespace

@@ -15,12 +15,18 @@ namespace fluidcarve {
 namespace {
 
 constexpr auto ascii = Letters::ascii;
-constexpr std::size_t most_bytes = 60'000;  ///< of a text; an entry then fits into a segment of a JPEG file
+constexpr std::size_t most_bytes =
+    60'000;  ///< of a text; an entry then fits into a segment of a JPEG file
 
-std::string unless_long(const std::string& text) { return text.size() <= most_bytes ? text : fmt::format("{} bytes, too long to be stated", text.size()); }
+std::string unless_long(const std::string& text) {
+    return text.size() <= most_bytes ? text
+                                     : fmt::format("{} bytes, too long to be stated", text.size());
+}
 
 /// A path as files may state it: an absolute one would tell of the machine.
-std::string portable(const std::string& path) { return path.starts_with('/') ? std::filesystem::path(path).filename().string() : path; }
+std::string portable(const std::string& path) {
+    return path.starts_with('/') ? std::filesystem::path(path).filename().string() : path;
+}
 
 /// Finds what a value owes to the command line and to the environment.
 class Outside {
@@ -29,7 +35,8 @@ public:
         for (const auto& [in, name] : document.insertions) inserted_[place_of(in)].insert(name);
     }
 
-    /// Whether a value, or a part of it, differs from what the files state; except params, which have values of their own.
+    /// Whether a value, or a part of it, differs from what the files state; except params, which
+    /// have values of their own.
     bool changed(const Value& value) const {
         if (param_at(value.mark)) return false;
         const auto in_file = [&](const Mark& file) { return file.source == value.mark.source; };
@@ -37,7 +44,8 @@ public:
         for (const auto& name : names_in(value))
             if (!document_.params.find(name)) return true;
         return std::ranges::any_of(value.items, [&](const Value& item) { return changed(item); }) ||
-               std::ranges::any_of(value.fields, [&](const Value::Field& field) { return changed(field.value); });
+               std::ranges::any_of(value.fields,
+                                   [&](const Value::Field& field) { return changed(field.value); });
     }
 
     /// Adds the names of the params that a value is or holds.
@@ -51,14 +59,18 @@ public:
 
     /// Whether the value of a param is not as the files state it.
     bool changed_param(const Value::Field& param) const {
-        const auto in_file = [&](const Mark& file) { return file.source == param.value.mark.source; };
+        const auto in_file = [&](const Mark& file) {
+            return file.source == param.value.mark.source;
+        };
         return std::ranges::none_of(document_.sources, in_file) || !names_in(param.value).empty();
     }
 
     /// The param that a value is as a whole, or null.
     const Value::Field* param_at(const Mark& mark) const {
         const auto found =
-            std::ranges::find_if(document_.params.fields, [&](const Value::Field& param) { return place_of(param.value.mark) == place_of(mark); });
+            std::ranges::find_if(document_.params.fields, [&](const Value::Field& param) {
+                return place_of(param.value.mark) == place_of(mark);
+            });
         return found == document_.params.fields.end() ? nullptr : &*found;
     }
 
@@ -96,26 +108,32 @@ public:
                           {"fluidcarve_values", unless_long(values)},
                           {"fluidcarve_command", unless_long(command())}};
         for (std::size_t n = 0; n < writer; ++n)
-            for (std::size_t output = 0; upstream_[n] && output < pipeline_.nodes[n].outputs.size(); ++output)
-                if (pipeline_.nodes[n].rate != Rate::frame && registry_.payload(pipeline_.nodes[n].outputs[output].type).checksum)
+            for (std::size_t output = 0; upstream_[n] && output < pipeline_.nodes[n].outputs.size();
+                 ++output)
+                if (pipeline_.nodes[n].rate != Rate::frame &&
+                    registry_.payload(pipeline_.nodes[n].outputs[output].type).checksum)
                     out.checksummed.push_back({n, output});
     }
 
 private:
-    /// The values of all nodes upstream that are not those of the declarations, as a pipeline's text.
+    /// The values of all nodes upstream that are not those of the declarations, as a pipeline's
+    /// text.
     std::string values_text() {
         std::string nodes;
         note("frames", document_.frames);
         for (const auto& [name, mark, value] : document_.nodes.fields) {
             const auto& node = pipeline_.nodes[index_.at(name)];
             if (!upstream_[index_.at(name)]) continue;
-            plugins_ = plugins_ || node.type->runs_code || pipeline_.plugins.contains(node.type->name);
+            plugins_ =
+                plugins_ || node.type->runs_code || pipeline_.plugins.contains(node.type->name);
             std::string fields = "type: " + yaml_scalar(node.type->name, ascii);
             for (const auto& field : value.fields)
-                if (const auto text = field_text(node, field); !text.empty()) fields += ", " + field.name + ": " + text;
+                if (const auto text = field_text(node, field); !text.empty())
+                    fields += ", " + field.name + ": " + text;
             nodes += fmt::format("{}{}: {{{}}}", nodes.empty() ? "" : ", ", name, fields);
         }
-        return fmt::format("{{fluidcarve: 1, frames: {}, nodes: {{{}}}}}", yaml_scalar(pipeline_.frames.text(), ascii), nodes);
+        return fmt::format("{{fluidcarve: 1, frames: {}, nodes: {{{}}}}}",
+                           yaml_scalar(pipeline_.frames.text(), ascii), nodes);
     }
 
     /// The value of a field; empty if it does not count.
@@ -126,10 +144,12 @@ private:
         const auto target = node.name + "." + field.name;
         if (!param) return note(target, field.value), yaml_text(field.value, ascii);
         const auto text = param->text(node.params.get());
-        if (param->shape.kind == Shape::Kind::input_path) return note_path(target, field.value, text), yaml_scalar(portable(text), ascii);
+        if (param->shape.kind == Shape::Kind::input_path)
+            return note_path(target, field.value, text), yaml_scalar(portable(text), ascii);
         note(target, field.value);
         if (!param->required && text == param->fallback) return {};
-        return field.value.kind == Value::Kind::scalar ? yaml_scalar(text, ascii) : yaml_text(field.value, ascii);
+        return field.value.kind == Value::Kind::scalar ? yaml_scalar(text, ascii)
+                                                       : yaml_text(field.value, ascii);
     }
 
     /// Notes what the command must set so that a value is the same again.
@@ -144,7 +164,9 @@ private:
         std::set<std::string> held;
         outside_.add_params(value, held);
         const bool changed =
-            outside_.changed(value) || std::ranges::any_of(held, [&](const std::string& name) { return outside_.changed_param(*document_.params.find(name)); });
+            outside_.changed(value) || std::ranges::any_of(held, [&](const std::string& name) {
+                return outside_.changed_param(*document_.params.find(name));
+            });
         if (portable(path) == path || !changed) return note(target, value);
         settings_.push_back((whole ? param->name : target) + "=" + portable(path));
     }
@@ -159,12 +181,15 @@ private:
             if (said.insert(setting).second) out += " --set " + shell_word(setting);
         };
         for (const auto& param : document_.params.fields)
-            if (params_.contains(param.name) && outside_.changed_param(param)) put(param.name + "=" + portable(text_of(param.value)));
+            if (params_.contains(param.name) && outside_.changed_param(param))
+                put(param.name + "=" + portable(text_of(param.value)));
         for (const auto& setting : settings_) put(setting);
         return out;
     }
 
-    static std::string text_of(const Value& value) { return value.kind == Value::Kind::scalar ? value.text : yaml_text(value); }
+    static std::string text_of(const Value& value) {
+        return value.kind == Value::Kind::scalar ? value.text : yaml_text(value);
+    }
 
     Pipeline& pipeline_;
     const Document& document_;

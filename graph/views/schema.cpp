@@ -18,7 +18,8 @@ Json defined(const std::string& definition) { return {{"$ref", "#/definitions/" 
 
 Json any_of(std::vector<Json> alternatives) { return {{"anyOf", std::move(alternatives)}}; }
 
-/// A number, or a text with a number: `check` reads a quoted number as a number where the declaration wants one.
+/// A number, or a text with a number: `check` reads a quoted number as a number where the
+/// declaration wants one.
 Json number(const char* type, const Range& range) {
     Json out{{"type", type}};
     if (std::isfinite(range.min)) out["minimum"] = range.min;
@@ -27,22 +28,30 @@ Json number(const char* type, const Range& range) {
 }
 
 Json numbers(std::size_t size, const Range& range) {
-    return {{"type", "array"}, {"items", any_of({number("number", range), defined("insertion")})}, {"minItems", size}, {"maxItems", size}};
+    return {{"type", "array"},
+            {"items", any_of({number("number", range), defined("insertion")})},
+            {"minItems", size},
+            {"maxItems", size}};
 }
 
 Json value_of(const Shape& shape, const Range& range);
 
 Json form_of(const Shape& shape, const Range& range) {
     switch (shape.kind) {
-        case Shape::Kind::boolean: return any_of({Json{{"type", "boolean"}}, Json{{"enum", {"true", "false"}}}});
+        case Shape::Kind::boolean:
+            return any_of({Json{{"type", "boolean"}}, Json{{"enum", {"true", "false"}}}});
         case Shape::Kind::integer: return number("integer", range);
         case Shape::Kind::number: return number("number", range);
-        case Shape::Kind::count: return any_of({number("integer", range), Json{{"type", "string"}, {"pattern", "^[-+]?[0-9]+(\\.[0-9]*)?%$"}}});
+        case Shape::Kind::count:
+            return any_of({number("integer", range),
+                           Json{{"type", "string"}, {"pattern", "^[-+]?[0-9]+(\\.[0-9]*)?%$"}}});
         case Shape::Kind::vector: return numbers(3, range);
         case Shape::Kind::interval: return numbers(2, range);
         case Shape::Kind::choice: return {{"enum", shape.choices}};
-        case Shape::Kind::automatic: return any_of({Json{{"const", "auto"}}, form_of(shape.of.at(0), range)});
-        case Shape::Kind::list: return {{"type", "array"}, {"items", value_of(shape.of.at(0), range)}};
+        case Shape::Kind::automatic:
+            return any_of({Json{{"const", "auto"}}, form_of(shape.of.at(0), range)});
+        case Shape::Kind::list:
+            return {{"type", "array"}, {"items", value_of(shape.of.at(0), range)}};
         case Shape::Kind::input_path:
         case Shape::Kind::output_path: return {{"type", "string"}};
         // `check` reads an unquoted 12 or true as a text where the declaration wants one.
@@ -64,7 +73,8 @@ Json form_of(const Shape& shape, const Range& range) {
 
 /// A value of the shape, or `${name}`.
 Json value_of(const Shape& shape, const Range& range) {
-    const bool text = shape.kind == Shape::Kind::text || shape.kind == Shape::Kind::input_path || shape.kind == Shape::Kind::output_path;
+    const bool text = shape.kind == Shape::Kind::text || shape.kind == Shape::Kind::input_path ||
+                      shape.kind == Shape::Kind::output_path;
     return text ? form_of(shape, range) : any_of({form_of(shape, range), defined("insertion")});
 }
 
@@ -86,21 +96,29 @@ Json default_of(const ParamSpec& spec) {
 std::string description_of(const ParamSpec& spec) {
     auto out = spec.doc;
     if (spec.unit != Unit::none) out += fmt::format(" Unit: {}.", to_text(spec.unit));
-    if (!spec.required && !spec.fallback.empty()) out += fmt::format(" Default: {}.", spec.fallback);
+    if (!spec.required && !spec.fallback.empty())
+        out += fmt::format(" Default: {}.", spec.fallback);
     return out;
 }
 
 Json field_of(const InputSpec& input, const Registry& registry) {
     Json out;
-    if (input.arity == InputSpec::Arity::list) out = any_of({defined("port"), Json{{"type", "array"}, {"items", defined("port")}, {"minItems", 1}}});
-    else if (input.arity == InputSpec::Arity::named) out = {{"type", "object"}, {"additionalProperties", defined("port")}};
-    else out = {{"allOf", Json::array({defined("port")})}};  // draft 7 ignores a description beside a $ref
-    out["description"] = fmt::format("{} Takes {}.", input.doc, registry.accepted_names(input.type));
+    if (input.arity == InputSpec::Arity::list)
+        out = any_of({defined("port"),
+                      Json{{"type", "array"}, {"items", defined("port")}, {"minItems", 1}}});
+    else if (input.arity == InputSpec::Arity::named)
+        out = {{"type", "object"}, {"additionalProperties", defined("port")}};
+    else
+        out = {{"allOf",
+                Json::array({defined("port")})}};  // draft 7 ignores a description beside a $ref
+    out["description"] =
+        fmt::format("{} Takes {}.", input.doc, registry.accepted_names(input.type));
     return out;
 }
 
 /// Properties of an object, described. @param forms  the form of each field, by its name
-Json properties_of(std::span<const FileField> fields, const std::map<std::string_view, Json>& forms) {
+Json properties_of(std::span<const FileField> fields,
+                   const std::map<std::string_view, Json>& forms) {
     auto out = Json::object();
     for (const auto& field : fields) {
         auto& property = out[std::string(field.name)] = forms.at(field.name);
@@ -124,10 +142,14 @@ Json fields_of(const NodeType& type, const Registry& registry) {
         auto& property = properties[param.name] = value_of(param.shape, param.range);
         property["description"] = description_of(param);
         if (param.required) continue;
-        if (auto fallback = default_of(param); !fallback.is_null()) property["default"] = std::move(fallback);
+        if (auto fallback = default_of(param); !fallback.is_null())
+            property["default"] = std::move(fallback);
     }
     for (const auto& name : plain_fields()) properties[name] = defined(name);
-    return {{"type", "object"}, {"description", type.doc}, {"properties", std::move(properties)}, {"additionalProperties", false}};
+    return {{"type", "object"},
+            {"description", type.doc},
+            {"properties", std::move(properties)},
+            {"additionalProperties", false}};
 }
 
 Json required_of(const NodeType& type) {
@@ -139,39 +161,53 @@ Json required_of(const NodeType& type) {
     return out;
 }
 
-/// The same for a file with `extends`: each field may also be null, and so may those that the node has there as another type.
+/// The same for a file with `extends`: each field may also be null, and so may those that the node
+/// has there as another type.
 Json fields_to_change(const NodeType& type) {
     Json properties{{"type", Json::object()}};
-    for (const auto& name : plain_fields()) properties[name] = any_of({defined(name), Json{{"type", "null"}}});
-    for (const auto& name : type.field_names()) properties[name] = any_of({defined(type.name + "/properties/" + name), Json{{"type", "null"}}});
+    for (const auto& name : plain_fields())
+        properties[name] = any_of({defined(name), Json{{"type", "null"}}});
+    for (const auto& name : type.field_names())
+        properties[name] =
+            any_of({defined(type.name + "/properties/" + name), Json{{"type", "null"}}});
     return {{"properties", std::move(properties)}, {"additionalProperties", {{"type", "null"}}}};
 }
 
 Json if_type(const std::string& name, Json then) {
-    return {{"if", {{"properties", {{"type", {{"const", name}}}}}, {"required", {"type"}}}}, {"then", std::move(then)}};
+    return {{"if", {{"properties", {{"type", {{"const", name}}}}}, {"required", {"type"}}}},
+            {"then", std::move(then)}};
 }
 
 /// @param whole  true: a complete node; false: a node that may change one of an extended file
 Json node_of(const Registry& registry, bool whole) {
     Json out{{"type", whole ? Json("object") : Json::array({"object", "null"})}};
     if (whole) out["required"] = {"type"};
-    out["properties"] = {{"type", {{"enum", registry.node_names()}, {"description", find_field(common_fields, "type")->doc}}}};
+    out["properties"] = {{"type",
+                          {{"enum", registry.node_names()},
+                           {"description", find_field(common_fields, "type")->doc}}}};
     out["allOf"] = Json::array();
     for (const auto& [name, type] : registry.nodes())
-        out["allOf"].push_back(
-            if_type(name, whole ? Json{{"allOf", Json::array({defined(name), Json{{"required", required_of(type)}}})}} : fields_to_change(type)));
+        out["allOf"].push_back(if_type(
+            name, whole ? Json{{"allOf", Json::array({defined(name),
+                                                      Json{{"required", required_of(type)}}})}}
+                        : fields_to_change(type)));
     return out;
 }
 
 Json param_of(bool whole) {
     auto defaults = Json::array();
-    for (const auto& type : param_types()) defaults.push_back(if_type(type.name, {{"properties", {{"default", value_of(type.shape, any_number())}}}}));
+    for (const auto& type : param_types())
+        defaults.push_back(if_type(
+            type.name, {{"properties", {{"default", value_of(type.shape, any_number())}}}}));
     Json out{{"type", whole ? Json("object") : Json::array({"object", "null"})}};
     if (whole) out["required"] = {"type"};
     const Json bound{{"type", "number"}};
-    out["properties"] = properties_of(
-        param_fields,
-        {{"type", Json{{"enum", names_of(param_types())}}}, {"default", Json::object()}, {"min", bound}, {"max", bound}, {"doc", Json{{"type", "string"}}}});
+    out["properties"] =
+        properties_of(param_fields, {{"type", Json{{"enum", names_of(param_types())}}},
+                                     {"default", Json::object()},
+                                     {"min", bound},
+                                     {"max", bound},
+                                     {"doc", Json{{"type", "string"}}}});
     out["additionalProperties"] = false;
     out["allOf"] = std::move(defaults);
     return out;
@@ -180,14 +216,26 @@ Json param_of(bool whole) {
 }  // namespace
 
 std::string schema(const Registry& registry) {
-    const auto map_of = [](const std::string& definition) { return Json{{"additionalProperties", defined(definition)}}; };
-    constexpr auto frames = "^auto$|^\\s*-?[0-9]+(--?[0-9]+([xy:]-?[0-9]+)?)?(\\s*,\\s*-?[0-9]+(--?[0-9]+([xy:]-?[0-9]+)?)?)*\\s*$";
+    const auto map_of = [](const std::string& definition) {
+        return Json{{"additionalProperties", defined(definition)}};
+    };
+    constexpr auto frames =
+        "^auto$|^\\s*-?[0-9]+(--?[0-9]+([xy:]-?[0-9]+)?)?(\\s*,\\s*-?[0-9]+(--?[0-9]+([xy:]-?[0-9]+"
+        ")?)?)*\\s*$";
 
     Json definitions{
         {"insertion",
-         {{"description", "Text with ${name}: a param, or an environment variable named under `env`."}, {"type", "string"}, {"pattern", "\\$\\{[^}]+\\}"}}},
-        {"number_text", {{"type", "string"}, {"pattern", "^[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?$"}}},
-        {"port", {{"description", "node or node.output"}, {"type", "string"}, {"pattern", "^[A-Za-z0-9_-]+(\\..+)?$|\\$\\{[^}]+\\}"}}},
+         {{"description",
+           "Text with ${name}: a param, or an environment variable named under `env`."},
+          {"type", "string"},
+          {"pattern", "\\$\\{[^}]+\\}"}}},
+        {"number_text",
+         {{"type", "string"},
+          {"pattern", "^[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?$"}}},
+        {"port",
+         {{"description", "node or node.output"},
+          {"type", "string"},
+          {"pattern", "^[A-Za-z0-9_-]+(\\..+)?$|\\$\\{[^}]+\\}"}}},
         {"cache", value_of({Shape::Kind::boolean, {}, {}}, any_number())},
         {"doc", {{"description", find_field(common_fields, "doc")->doc}, {"type", "string"}}},
         {"param", param_of(true)},
@@ -197,26 +245,34 @@ std::string schema(const Registry& registry) {
     definitions["cache"]["description"] = find_field(common_fields, "cache")->doc;
     for (const auto& [name, type] : registry.nodes()) definitions[name] = fields_of(type, registry);
 
-    auto properties =
-        properties_of(top_fields, {{"fluidcarve", Json{{"const", 1}}},
-                                   {"plugins", Json{{"type", Json::array({"array", "null"})}, {"items", {{"type", "string"}}}}},
-                                   {"params", Json{{"type", "object"}}},
-                                   {"env", Json{{"type", "array"}, {"items", {{"type", "string"}}}}},
-                                   {"extends", Json{{"type", "string"}}},
-                                   {"provenance", value_of({Shape::Kind::boolean, {}, {}}, any_number())},
-                                   {"frames", Json{{"anyOf", Json::array({Json{{"type", "integer"}}, Json{{"type", "string"}, {"pattern", frames}},
-                                                                          defined("insertion"), Json{{"type", "null"}}})}}},
-                                   {"nodes", Json{{"type", "object"}, {"propertyNames", {{"pattern", "^[A-Za-z0-9_-]+$"}}}}}});
+    auto properties = properties_of(
+        top_fields,
+        {{"fluidcarve", Json{{"const", 1}}},
+         {"plugins",
+          Json{{"type", Json::array({"array", "null"})}, {"items", {{"type", "string"}}}}},
+         {"params", Json{{"type", "object"}}},
+         {"env", Json{{"type", "array"}, {"items", {{"type", "string"}}}}},
+         {"extends", Json{{"type", "string"}}},
+         {"provenance", value_of({Shape::Kind::boolean, {}, {}}, any_number())},
+         {"frames", Json{{"anyOf", Json::array({Json{{"type", "integer"}},
+                                                Json{{"type", "string"}, {"pattern", frames}},
+                                                defined("insertion"), Json{{"type", "null"}}})}}},
+         {"nodes",
+          Json{{"type", "object"}, {"propertyNames", {{"pattern", "^[A-Za-z0-9_-]+$"}}}}}});
 
-    const Json out{{"$schema", "http://json-schema.org/draft-07/schema#"},
-                   {"title", "fluidcarve pipeline"},
-                   {"type", "object"},
-                   {"properties", std::move(properties)},
-                   {"additionalProperties", false},
-                   {"if", {{"required", {"extends"}}}},
-                   {"then", {{"properties", {{"params", map_of("param_change")}, {"nodes", map_of("node_change")}}}}},
-                   {"else", {{"required", {"fluidcarve", "nodes"}}, {"properties", {{"params", map_of("param")}, {"nodes", map_of("node")}}}}},
-                   {"definitions", std::move(definitions)}};
+    const Json out{
+        {"$schema", "http://json-schema.org/draft-07/schema#"},
+        {"title", "fluidcarve pipeline"},
+        {"type", "object"},
+        {"properties", std::move(properties)},
+        {"additionalProperties", false},
+        {"if", {{"required", {"extends"}}}},
+        {"then",
+         {{"properties", {{"params", map_of("param_change")}, {"nodes", map_of("node_change")}}}}},
+        {"else",
+         {{"required", {"fluidcarve", "nodes"}},
+          {"properties", {{"params", map_of("param")}, {"nodes", map_of("node")}}}}},
+        {"definitions", std::move(definitions)}};
     return json_text(out, 2) + "\n";
 }
 

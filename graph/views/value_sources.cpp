@@ -1,7 +1,7 @@
 #include "graph/views/value_sources.h"
 
+#include "carve/base/one_line.h"
 #include "graph/text/json_text.h"
-#include "graph/text/one_line.h"
 #include "graph/text/yaml_text.h"
 
 #include <fmt/format.h>
@@ -24,7 +24,8 @@ public:
     explicit Finder(const Document& document) : document_(document) {
         std::set<std::pair<Place, std::string>> names_seen;  // an alias repeats what was inserted
         for (const auto& [in, name] : document.insertions)
-            if (names_seen.emplace(place_of(in), name).second) inserted_[place_of(in)].push_back(name);
+            if (names_seen.emplace(place_of(in), name).second)
+                inserted_[place_of(in)].push_back(name);
     }
 
     ValueSource stated(const Value& value) const {
@@ -34,7 +35,9 @@ public:
         return out;
     }
 
-    static ValueSource fallback(const std::string& yaml) { return {yaml.empty() ? yaml_scalar(yaml) : yaml, "default", {}}; }
+    static ValueSource fallback(const std::string& yaml) {
+        return {yaml.empty() ? yaml_scalar(yaml) : yaml, "default", {}};
+    }
 
     ValueSources::Fields of_node(const NodeType& type, const Value& node) const {
         ValueSources::Fields out;
@@ -48,7 +51,8 @@ public:
         for (const auto& param : type.params)
             if (!add(param.name)) out.emplace_back(param.name, fallback(param.fallback));
         for (const auto& field : node.fields)
-            if (field.name != "type" && !type.input(field.name) && !type.param(field.name)) add(field.name);
+            if (field.name != "type" && !type.input(field.name) && !type.param(field.name))
+                add(field.name);
         return out;
     }
 
@@ -64,7 +68,8 @@ private:
     }
 
     /// Adds the names inserted into a value or its parts, without duplicates.
-    void add_names(const Value& value, std::vector<std::string>& names, std::set<std::string>& seen) const {
+    void add_names(const Value& value, std::vector<std::string>& names,
+                   std::set<std::string>& seen) const {
         if (const auto found = inserted_.find(place_of(value.mark)); found != inserted_.end())
             for (const auto& name : found->second)
                 if (seen.insert(name).second) names.push_back(name);
@@ -78,7 +83,8 @@ private:
 
 std::string line(const std::string& name, const ValueSource& source) {
     const auto from = source.from == "default" ? source.from : "from " + source.from;
-    const auto with = source.with.empty() ? std::string() : fmt::format(" with {}", fmt::join(source.with, ", "));
+    const auto with =
+        source.with.empty() ? std::string() : fmt::format(" with {}", fmt::join(source.with, ", "));
     return one_line(fmt::format("{} = {}, {}{}", name, source.value, from, with)) + "\n";
 }
 
@@ -99,10 +105,14 @@ Json json_of(const ValueSources::Fields& fields) {
 ValueSources value_sources_of(const Document& document, const Registry& registry) {
     const Finder find(document);
     ValueSources out;
-    out.frames = document.frames.kind == Value::Kind::null ? Finder::fallback("1") : find.stated(document.frames);
-    for (const auto& param : document.params.fields) out.params.emplace_back(param.name, find.stated(param.value));
+    out.frames = document.frames.kind == Value::Kind::null ? Finder::fallback("1")
+                                                           : find.stated(document.frames);
+    for (const auto& param : document.params.fields)
+        out.params.emplace_back(param.name, find.stated(param.value));
     for (const auto& node : document.nodes.fields)
-        out.nodes.emplace_back(node.name, find.of_node(*registry.node(node.value.find("type")->value.text), node.value));
+        out.nodes.emplace_back(
+            node.name,
+            find.of_node(*registry.node(node.value.find("type")->value.text), node.value));
     return out;
 }
 
@@ -119,7 +129,9 @@ std::string to_text(const ValueSources& sources) {
 }
 
 std::string to_json(const ValueSources& sources) {
-    Json out{{"frames", json_of(sources.frames)}, {"params", json_of(sources.params)}, {"nodes", Json::object()}};
+    Json out{{"frames", json_of(sources.frames)},
+             {"params", json_of(sources.params)},
+             {"nodes", Json::object()}};
     for (const auto& [node, fields] : sources.nodes) out["nodes"][node] = json_of(fields);
     for (const auto& file : sources.files) {
         auto& entry = out["files"][file.node + "." + file.field];

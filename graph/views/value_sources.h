@@ -12,9 +12,10 @@ namespace fluidcarve {
 
 /// A value and its source.
 struct ValueSource {
-    std::string value;              ///< as YAML, on one line
-    std::string from;               ///< "shots/sh010.yaml:4", "--set", "environment variable SHOT", "default"
-    std::vector<std::string> with;  ///< names of the params and variables inserted into the text or list
+    std::string value;  ///< as YAML, on one line
+    std::string from;   ///< "shots/sh010.yaml:4", "--set", "environment variable SHOT", "default"
+    std::vector<std::string>
+        with;  ///< names of the params and variables inserted into the text or list
 };
 
 /// The sources of all values in a pipeline.
@@ -22,7 +23,8 @@ struct ValueSources {
     using Fields = std::vector<std::pair<std::string, ValueSource>>;
     ValueSource frames;
     Fields params;
-    /// Node name to fields, in the order of the file: type, connected inputs, all parameters, other stated fields.
+    /// Node name to fields, in the order of the file: type, connected inputs, all parameters, other
+    /// stated fields.
     std::vector<std::pair<std::string, Fields>> nodes;
     FilePlaces files;  ///< where the files lie, for who wants to tell that, too
 };
@@ -33,8 +35,9 @@ ValueSources value_sources_of(const Document& document, const Registry& registry
 /// One line per value: `count = -18, from shots/sh010.yaml:4`.
 std::string to_text(const ValueSources& sources);
 
-/// JSON: `{frames: {value, from, with?}, params: {NAME: {value, from, with?}}, nodes: {NODE: {FIELD: {value, from, with?}}},
-/// files?: {NODE.FIELD: {path, writes, found?}}}`, with each `value` as a YAML text.
+/// JSON: `{frames: {value, from, with?}, params: {NAME: {value, from, with?}}, nodes: {NODE:
+/// {FIELD: {value, from, with?}}}, files?: {NODE.FIELD: {path, writes, found?}}}`, with each
+/// `value` as a YAML text.
 std::string to_json(const ValueSources& sources);
 
 }  // namespace fluidcarve

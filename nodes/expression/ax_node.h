@@ -1,8 +1,8 @@
 #pragma once
 
+#include "carve/volume/volume.h"
 #include "nodes/expression/expression.h"
 #include "nodes/expression/script.h"
-#include "nodes/payloads.h"
 
 #include <map>
 #include <memory>
@@ -22,8 +22,8 @@ struct AxParams {
     Script code;
 };
 
-/// Reports all faults of a program, at their places in the file, and warns of inputs and constants that it never reads. Without the module `expressions` it
-/// reports nothing, and the run fails.
+/// Reports all faults of a program, at their places in the file, and warns of inputs and constants
+/// that it never reads. Without the module `expressions` it reports nothing, and the run fails.
 /// @param output  name of the grid that the program writes, without @
 void check_ax(const AxParams& params, const std::string& output, NodeCheck& check);
 
@@ -35,7 +35,8 @@ class AxProgram {
 public:
     /// Runs the program for one frame. @param least  smallest allowed result, or -infinity
     /// @throws Failure as `evaluated`
-    FloatGrid::Ptr run(const AxParams& params, const std::string& output, float least, const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
+    FloatGrid::Ptr run(const AxParams& params, const std::string& output, float least,
+                       const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
                        const Context& context) const;
 
 private:

@@ -20,7 +20,9 @@ struct EnergyAx {
 
     AxProgram program;
 
-    static void check(const Params& params, NodeCheck& check) { check_ax(params, energy_output, check); }
+    static void check(const Params& params, NodeCheck& check) {
+        check_ax(params, energy_output, check);
+    }
     static bool animates(const Params& params) { return may_read_moment(params); }
 
     void run(const Params& params, Ports& io, Context& context) const {
@@ -34,14 +36,18 @@ struct EnergyAx {
 }  // namespace
 
 NodeType energy_ax() {
-    return Declare<EnergyAx>("energy.ax", "An energy computed by your own program, in OpenVDB AX, where the built-in energies are not enough.")
+    return Declare<EnergyAx>("energy.ax",
+                             "An energy computed by your own program, in OpenVDB AX, where the "
+                             "built-in energies are not enough.")
         .input("inputs", &EnergyAx::Ports::inputs, ax_inputs_doc)
         .param("params", &AxParams::params, ax_params_doc)
         .required("code", &AxParams::code, ax_code_doc("@energy"))
         .param("outside", &EnergyAx::Params::outside, Unit::none, at_least(0),
-               "The energy where no input is active. 0: seams cost nothing in empty space, and go there first.")
+               "The energy where no input is active. 0: seams cost nothing in empty space, and go "
+               "there first.")
         .output("energy", &EnergyAx::Ports::energy,
-                "The values that the program writes, finite and at least 0, on the voxels that are active in any input; `outside` elsewhere.")
+                "The values that the program writes, finite and at least 0, on the voxels that are "
+                "active in any input; `outside` elsewhere.")
         .kept()
         .in_place();
 }

@@ -4,7 +4,8 @@
 
 namespace fluidcarve {
 
-/// `energy.ax {inputs, params, code}`: an energy computed by a program in the pipeline (expression.h).
+/// `energy.ax {inputs, params, code}`: an energy computed by a program in the pipeline
+/// (expression.h).
 NodeType energy_ax();
 
 }  // namespace fluidcarve

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "carve/volume/volume.h"
 #include "graph/types/param.h"
-#include "nodes/payloads.h"
 
 #include <map>
 #include <memory>
@@ -15,14 +15,17 @@ namespace fluidcarve {
 /// A program in OpenVDB AX, and the names that it may use.
 struct Expression {
     std::string code;
-    std::vector<std::string> inputs;                              ///< names of grids, read as `@name`, or `v@name` for vectors
-    std::map<std::string, std::variant<double, Vec3>> constants;  ///< read as `$name`, or `v$name` for vectors
-    std::string output;                                           ///< name of the grid that it writes as `@name`, a number
+    std::vector<std::string> inputs;  ///< names of grids, read as `@name`, or `v@name` for vectors
+    std::map<std::string, std::variant<double, Vec3>>
+        constants;       ///< read as `$name`, or `v$name` for vectors
+    std::string output;  ///< name of the grid that it writes as `@name`, a number
 };
 
-/// The moment: `@Frame` is the frame's number, `@Time` is (frame - 1) / `$fps` in seconds. A program may read them as numbers where no input
-/// has the name. `$F` is `@Frame` where no constant has the name.
-inline constexpr auto frame_input = "Frame", time_input = "Time", frame_constant = "F", rate_constant = "fps";
+/// The moment: `@Frame` is the frame's number, `@Time` is (frame - 1) / `$fps` in seconds. A
+/// program may read them as numbers where no input has the name. `$F` is `@Frame` where no constant
+/// has the name.
+inline constexpr auto frame_input = "Frame", time_input = "Time", frame_constant = "F",
+                      rate_constant = "fps";
 
 /// A fault of a program.
 struct ExpressionFault {
@@ -50,20 +53,26 @@ using NamedGrid = std::pair<std::string, openvdb::GridBase::ConstPtr>;
 
 /// The functions of the module `expressions`.
 ///
-/// The language is AX without everything that might not end, crash the process, or differ between runs: loops without a stated end,
-/// casts of a value to its own type, division of a whole number by a value that may be 0, indices that are not literals, random numbers
-/// without a seed, printing, bit shifts, texts, matrices, and functions that read anything but their arguments and the voxel's position.
+/// The language is AX without everything that might not end, crash the process, or differ between
+/// runs: loops without a stated end, casts of a value to its own type, division of a whole number
+/// by a value that may be 0, indices that are not literals, random numbers without a seed,
+/// printing, bit shifts, texts, matrices, and functions that read anything but their arguments and
+/// the voxel's position.
 struct ExpressionModule {
     static constexpr auto package = "libopenvdb-ax-dev";
     /// Compiles a program. The compiled program ends and does not crash.
-    /// @param faults  receives all faults that can be found at once, but none that follows from another; if there are none, the warnings
+    /// @param faults  receives all faults that can be found at once, but none that follows from
+    ///   another; if there are none, the warnings
     /// @return null if there are faults other than warnings
-    std::shared_ptr<const CompiledExpression> (*compile)(const Expression& expression, std::vector<ExpressionFault>& faults);
-    /// Runs a program for each active voxel of `out`; once per tile, unless the program uses the voxel's position: tiles then become
-    /// voxels where values differ.
-    /// @param inputs  float and vector grids with the transform of `out`, each of the type that the program reads
+    std::shared_ptr<const CompiledExpression> (*compile)(const Expression& expression,
+                                                         std::vector<ExpressionFault>& faults);
+    /// Runs a program for each active voxel of `out`; once per tile, unless the program uses the
+    /// voxel's position: tiles then become voxels where values differ.
+    /// @param inputs  float and vector grids with the transform of `out`, each of the type that the
+    ///   program reads
     /// @param out     called as the program's output
-    void (*run)(const CompiledExpression& program, const std::vector<NamedGrid>& inputs, FloatGrid& out);
+    void (*run)(const CompiledExpression& program, const std::vector<NamedGrid>& inputs,
+                FloatGrid& out);
 };
 
 }  // namespace fluidcarve

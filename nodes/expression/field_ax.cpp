@@ -17,22 +17,29 @@ struct FieldAx {
 
     AxProgram program;
 
-    static void check(const Params& params, NodeCheck& check) { check_ax(params, field_output, check); }
+    static void check(const Params& params, NodeCheck& check) {
+        check_ax(params, field_output, check);
+    }
     static bool animates(const Params& params) { return may_read_moment(params); }
 
     void run(const Params& params, Ports& io, Context& context) const {
-        io.out = program.run(params, field_output, -std::numeric_limits<float>::infinity(), io.inputs, context);
+        io.out = program.run(params, field_output, -std::numeric_limits<float>::infinity(),
+                             io.inputs, context);
     }
 };
 
 }  // namespace
 
 NodeType field_ax() {
-    return Declare<FieldAx>("field.ax", "A field computed by your own program, in OpenVDB AX: to mix, scale or cut fields before other nodes use them.")
+    return Declare<FieldAx>("field.ax",
+                            "A field computed by your own program, in OpenVDB AX: to mix, scale or "
+                            "cut fields before other nodes use them.")
         .input("inputs", &FieldAx::Ports::inputs, ax_inputs_doc)
         .param("params", &AxParams::params, ax_params_doc)
         .required("code", &AxParams::code, ax_code_doc("@out"))
-        .output("out", &FieldAx::Ports::out, "The values that the program writes, finite, on the voxels that are active in any input; 0 elsewhere.")
+        .output("out", &FieldAx::Ports::out,
+                "The values that the program writes, finite, on the voxels that are active in any "
+                "input; 0 elsewhere.")
         .kept()
         .in_place();
 }

@@ -4,7 +4,8 @@
 
 namespace fluidcarve {
 
-/// `field.ax {inputs, params, code}`: a float field computed by a program in the pipeline (expression.h).
+/// `field.ax {inputs, params, code}`: a float field computed by a program in the pipeline
+/// (expression.h).
 NodeType field_ax();
 
 }  // namespace fluidcarve

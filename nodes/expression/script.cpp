@@ -10,17 +10,21 @@ bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; 
 
 std::size_t offset_of(std::string_view text, int line, int column) {
     std::size_t begin = 0;
-    for (int n = 1; n < line && begin < text.size(); ++n) begin = std::min(text.find('\n', begin), text.size() - 1) + 1;
+    for (int n = 1; n < line && begin < text.size(); ++n)
+        begin = std::min(text.find('\n', begin), text.size() - 1) + 1;
     const auto end = std::min(text.find('\n', begin), text.size());
     return std::min(begin + static_cast<std::size_t>(std::max(column - 1, 0)), end);
 }
 
-/// Reads the characters of a scalar in a YAML file. It skips white space, since YAML's folding changes only that.
+/// Reads the characters of a scalar in a YAML file. It skips white space, since YAML's folding
+/// changes only that.
 class ScalarReader {
 public:
     /// @param at     offset of the scalar, or of its anchor or tag
-    /// @param value  the parsed value; tells a quoted scalar from a plain text that begins with a quote
-    ScalarReader(std::string_view file, std::size_t at, std::string_view value) : file_(file), at_(at) {
+    /// @param value  the parsed value; tells a quoted scalar from a plain text that begins with a
+    ///   quote
+    ScalarReader(std::string_view file, std::size_t at, std::string_view value)
+        : file_(file), at_(at) {
         while (here() == '&' || here() == '!') {
             while (at_ < file_.size() && !is_space(file_[at_])) ++at_;
             skip_space();
@@ -32,7 +36,8 @@ public:
 
     std::size_t at() const { return at_; }
 
-    /// Moves to the next character. @return the character; 0 at the end of the file, or for an unknown escape sequence
+    /// Moves to the next character.
+    /// @return the character; 0 at the end of the file, or for an unknown escape sequence
     char next() {
         skip_space();
         const char c = here();
@@ -81,7 +86,8 @@ Mark Script::place(int line, int column) const {
     }
     const auto before = std::string_view(file).substr(0, found);
     const auto begin = before.rfind('\n') + 1;
-    return {mark.source, static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1, static_cast<int>(found - begin) + 1};
+    return {mark.source, static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1,
+            static_cast<int>(found - begin) + 1};
 }
 
 std::optional<Script> ParamTraits<Script>::parse(const Value& value, ValueReader& reader) {
@@ -89,19 +95,22 @@ std::optional<Script> ParamTraits<Script>::parse(const Value& value, ValueReader
     return reader.unwanted(value, "a text"), std::nullopt;
 }
 
-std::optional<ScriptConstant> ParamTraits<ScriptConstant>::parse(const Value& value, ValueReader& reader) {
+std::optional<ScriptConstant> ParamTraits<ScriptConstant>::parse(const Value& value,
+                                                                 ValueReader& reader) {
     if (value.kind == Value::Kind::list) {
         const auto vector = ParamTraits<Vec3>::parse(value, reader);
         return vector ? std::optional<ScriptConstant>(*vector) : std::nullopt;
     }
-    if (value.kind != Value::Kind::scalar) return reader.unwanted(value, to_text(shape())), std::nullopt;
+    if (value.kind != Value::Kind::scalar)
+        return reader.unwanted(value, to_text(shape())), std::nullopt;
     const auto number = ParamTraits<float>::parse(value, reader);
     return number ? std::optional<ScriptConstant>(static_cast<double>(*number)) : std::nullopt;
 }
 
 std::string ParamTraits<ScriptConstant>::text(const ScriptConstant& value) {
     const auto* const number = std::get_if<double>(&value);
-    return number ? ParamTraits<double>::text(*number) : ParamTraits<Vec3>::text(std::get<Vec3>(value));
+    return number ? ParamTraits<double>::text(*number)
+                  : ParamTraits<Vec3>::text(std::get<Vec3>(value));
 }
 
 }  // namespace fluidcarve

@@ -17,7 +17,7 @@ function seamOrder(set, entries) {
     return out;
 }
 
-/** One seam set in one frame, carved by its first `count` seams: CarveStep of nodes/seams/carve_step.h. */
+/** One seam set in one frame, carved by its first `count` seams: CarveStep of carve/seam/carve_step.h. */
 class CarveStep {
     /** @param origin  first vertex of the space before
      * @param soft, fade  vertices; 0: none

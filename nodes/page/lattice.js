@@ -2,7 +2,7 @@
 // The lattice's map (METHOD 2 and 3). Positions are voxels of the page. Lattice coordinates are vertices of the lattice as it was given, so
 // what an anchored insertion adds lies below 0.
 
-const snapWidth = 1e-5, rimSlack = 1e-4;  // as nodes/lattice/snap.h
+const snapWidth = 1e-5, rimSlack = 1e-4;  // as carve/lattice/snap.h
 const rounded = x => x + 6755399441055744 - 6755399441055744;  // 1.5 * 2^52 leaves no bits for a fraction: quicker than Math.round
 const snapped = x => { const whole = rounded(x); return Math.abs(x - whole) <= snapWidth ? whole : x; };
 const clamp = (x, low, high) => x < low ? low : x > high ? high : x;
@@ -136,7 +136,7 @@ class Lattice {
     }
 }
 
-/** As cubic_root of nodes/lattice/cubic_root.h. */
+/** As cubic_root of carve/lattice/cubic_root.h. */
 function cubicRoot(q, from, to) {
     let low = from - 1e-9, high = to + 1e-9, c = q[0] / -(q[1] + q[2] + q[3]);
     if (!(c >= low && c <= high)) c = (low + high) / 2;

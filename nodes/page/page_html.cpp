@@ -1,14 +1,13 @@
 #include "nodes/page/page_html.h"
 
+#include "carve/base/failure.h"
 #include "graph/text/json_text.h"
-#include "graph/text/problem.h"
 #include "graph/text/xml_text.h"
 #include "nodes/page/page_texts.h"
 #include "nodes/preview/shown_frames.h"
 
-#include <nlohmann/json.hpp>
-
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <initializer_list>
@@ -23,7 +22,8 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr std::size_t usual_bytes = 2 << 20, most_bytes = 20 << 20;
-constexpr std::string_view data_begin = "<script type=\"application/json\" id=\"data\">", data_end = "</script>";
+constexpr std::string_view data_begin = "<script type=\"application/json\" id=\"data\">",
+                           data_end = "</script>";
 
 /// Replaces the first `{{name}}` of a text.
 void fill(std::string& text, std::string_view name, std::string_view by) {
@@ -31,7 +31,9 @@ void fill(std::string& text, std::string_view name, std::string_view by) {
     text.replace(text.find(mark), mark.size(), by);
 }
 
-std::string in_megabytes(std::size_t bytes) { return fmt::format("{:.1f} MB", static_cast<double>(bytes) / (1 << 20)); }
+std::string in_megabytes(std::size_t bytes) {
+    return fmt::format("{:.1f} MB", static_cast<double>(bytes) / (1 << 20));
+}
 
 /// Visits what is packed() in a scene.
 template <class Visit>
@@ -48,7 +50,8 @@ Json with_frames(const Json& scene, int count) {
     const auto& all = scene.at("frames");
     for (std::size_t n = 0; n < all.size(); ++n)
         if (is_shown(n, all.size(), count)) frames.push_back(all[n]);
-    for (const auto& [name, list] : {std::pair("lattice", "lattices"), {"rig", "rigs"}, {"seams", "seams"}}) {
+    for (const auto& [name, list] :
+         {std::pair("lattice", "lattices"), {"rig", "rigs"}, {"seams", "seams"}}) {
         std::map<std::size_t, std::size_t> numbers;
         auto used = Json::array();
         const auto renumber = [&, list = list](Json& number) {
@@ -78,14 +81,17 @@ std::string page_html(const std::string& title, std::vector<Json> scenes) {
             if (fresh) texts.push_back(std::move(text));
             text = place->second;
         });
-    auto data = json_text(Json{{"title", title}, {"packed", std::move(texts)}, {"scenes", std::move(scenes)}});
+    auto data = json_text(
+        Json{{"title", title}, {"packed", std::move(texts)}, {"scenes", std::move(scenes)}});
     // Nothing in a text may end the element that holds the data.
-    for (auto at = data.find('<'); at != std::string::npos; at = data.find('<', at)) data.replace(at, 1, "\\u003c");
+    for (auto at = data.find('<'); at != std::string::npos; at = data.find('<', at))
+        data.replace(at, 1, "\\u003c");
     const auto& files = page_texts();
     std::string out(files.at("page.html"));
     fill(out, "title", xml_text(title));
     fill(out, "style", files.at("page.css"));
-    for (const auto* const script : {"lattice", "carve", "scene", "volume", "picture", "view", "page"})
+    for (const auto* const script :
+         {"lattice", "carve", "scene", "volume", "picture", "view", "page"})
         fill(out, script, files.at(std::string(script) + ".js"));
     fill(out, "data", data);
     return out;
@@ -106,7 +112,8 @@ SmallPage small_page(const std::string& title, const std::vector<Json>& scenes) 
 
 void require_page_size(const std::string& html, const std::string& remedy) {
     if (html.size() > most_bytes)
-        throw Failure(fmt::format("the page would have {}, more than {}; {}", in_megabytes(html.size()), in_megabytes(most_bytes), remedy));
+        throw Failure(fmt::format("the page would have {}, more than {}; {}",
+                                  in_megabytes(html.size()), in_megabytes(most_bytes), remedy));
 }
 
 std::vector<Json> scenes_of_page(const std::string& html) {
@@ -116,9 +123,12 @@ std::vector<Json> scenes_of_page(const std::string& html) {
     const auto from = begin + data_begin.size(), to = html.find(data_end, from);
     if (to == std::string::npos) throw fault();
     try {
-        auto data = Json::parse(html.begin() + static_cast<std::ptrdiff_t>(from), html.begin() + static_cast<std::ptrdiff_t>(to));
+        auto data = Json::parse(html.begin() + static_cast<std::ptrdiff_t>(from),
+                                html.begin() + static_cast<std::ptrdiff_t>(to));
         std::vector<Json> out = data.at("scenes");
-        for (auto& scene : out) each_packed(scene, [&](Json& text) { text = data.at("packed").at(text.get<std::size_t>()); });
+        for (auto& scene : out)
+            each_packed(scene,
+                        [&](Json& text) { text = data.at("packed").at(text.get<std::size_t>()); });
         return out;
     } catch (const Json::exception&) {
         throw fault();

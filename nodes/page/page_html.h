@@ -8,8 +8,10 @@
 
 namespace fluidcarve {
 
-/// A page as one HTML file that loads nothing else. Scenes stand side by side, with controls for all; what is packed alike is written once.
-/// @param scenes  page_scene() of each, at least one; `differs`, if it is there, lists what a scene differs in as `[target, value]`
+/// A page as one HTML file that loads nothing else. Scenes stand side by side, with controls for
+/// all; what is packed alike is written once.
+/// @param scenes  page_scene() of each, at least one; `differs`, if it is there, lists what a scene
+///   differs in as `[target, value]`
 std::string page_html(const std::string& title, std::vector<nlohmann::ordered_json> scenes);
 
 /// A page with fewer frames than there were, to stay small.

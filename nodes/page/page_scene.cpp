@@ -1,16 +1,15 @@
 #include "nodes/page/page_scene.h"
 
-#include "graph/text/problem.h"
-#include "nodes/field/extent.h"
-#include "nodes/lattice/alignment.h"
-#include "nodes/lattice/mapping.h"
+#include "carve/base/failure.h"
+#include "carve/field/extent.h"
+#include "carve/lattice/alignment.h"
+#include "carve/lattice/mapping.h"
+#include "carve/seam/carve_map.h"
 #include "nodes/page/packed.h"
 #include "nodes/page/page_grid.h"
-#include "nodes/seams/carve_map.h"
-
-#include <nlohmann/json.hpp>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -34,7 +33,8 @@ int farthest_move(const std::vector<std::shared_ptr<const Seams>>& sets) {
     return static_cast<int>(out);
 }
 
-/// The index box that a page shows: the active voxels of all frames, and where the carve may move them.
+/// The index box that a page shows: the active voxels of all frames, and where the carve may move
+/// them.
 CoordBBox shown_box(const std::vector<PageFrame>& frames) {
     CoordBBox out;
     for (const auto& frame : frames) {
@@ -46,16 +46,20 @@ CoordBBox shown_box(const std::vector<PageFrame>& frames) {
         const auto lattice = map.extended(*frame.lattice);
         const auto& space = frame.before->transform();
         const auto voxel = space.voxelSize();
-        const double move = farthest_move(frame.seams) * lattice.spacing / std::min({voxel.x(), voxel.y(), voxel.z()});
+        const double move = farthest_move(frame.seams) * lattice.spacing /
+                            std::min({voxel.x(), voxel.y(), voxel.z()});
         auto moved = padded(active, static_cast<int>(std::min(std::ceil(move), 1e6)));
-        moved.intersect(voxels_around(Mapping(lattice, map.reach()).world_box(map.moved()), space, "the lattice"));
+        moved.intersect(voxels_around(Mapping(lattice, map.reach()).world_box(map.moved()), space,
+                                      "the lattice"));
         if (!moved.empty()) out.expand(moved);
     }
     return out.empty() ? CoordBBox(openvdb::Coord(0), openvdb::Coord(0)) : out;
 }
 
-/// Planes that the carves of any number of seams reach beyond a lattice: before its first, and behind its last.
-std::array<int, 2> planes_beyond(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets) {
+/// Planes that the carves of any number of seams reach beyond a lattice: before its first, and
+/// behind its last.
+std::array<int, 2> planes_beyond(const Lattice& lattice,
+                                 const std::vector<std::shared_ptr<const Seams>>& sets) {
     int origin = 0, first = 0, last = lattice.shape[2] - 1;
     for (const auto& set : sets) {
         if (set->axis != Axis::w) continue;
@@ -70,17 +74,23 @@ std::array<int, 2> planes_beyond(const Lattice& lattice, const std::vector<std::
     return {-first, last - (lattice.shape[2] - 1)};
 }
 
-/// Planes in page voxels: of each the position of vertex (0, 0) and the steps to the next vertex along u, v and w.
-Json lattice_json(const Lattice& given, const std::vector<std::shared_ptr<const Seams>>& sets, const PageGrid& page) {
+/// Planes in page voxels: of each the position of vertex (0, 0) and the steps to the next vertex
+/// along u, v and w.
+Json lattice_json(const Lattice& given, const std::vector<std::shared_ptr<const Seams>>& sets,
+                  const PageGrid& page) {
     const auto alignment = align(given, *page.space);
-    const auto lattice = alignment && alignment->one_to_one() ? on_voxels(given, *alignment, *page.space) : given;
+    const auto lattice =
+        alignment && alignment->one_to_one() ? on_voxels(given, *alignment, *page.space) : given;
     const auto [before, behind] = planes_beyond(given, sets);
     std::vector<double> planes;
     for (const auto& plane : extended(lattice, {0, 0, before}, behind).planes) {
         const auto origin = page.place(plane.origin);
-        const auto add = [&](const Vec3d& at) { planes.insert(planes.end(), {at.x(), at.y(), at.z()}); };
+        const auto add = [&](const Vec3d& at) {
+            planes.insert(planes.end(), {at.x(), at.y(), at.z()});
+        };
         add(origin);
-        for (const auto& direction : {plane.u, plane.v, plane.w}) add(page.place(plane.origin + lattice.spacing * direction) - origin);
+        for (const auto& direction : {plane.u, plane.v, plane.w})
+            add(page.place(plane.origin + lattice.spacing * direction) - origin);
     }
     std::vector<std::uint8_t> bytes;
     append_numbers(bytes, planes);
@@ -98,10 +108,12 @@ Json rig_json(const Rig& rig, const PageGrid& page) {
 }
 
 /// Entries of all seams of a frame as original indices: `[set][window][seam][column]`.
-std::vector<std::uint16_t> original_entries(const std::vector<std::shared_ptr<const Seams>>& sets, int frame) {
+std::vector<std::uint16_t> original_entries(const std::vector<std::shared_ptr<const Seams>>& sets,
+                                            int frame) {
     std::vector<std::uint16_t> out;
     for (const auto& set : sets) {
-        const auto t = static_cast<std::size_t>(std::find(set->frames.begin(), set->frames.end(), frame) - set->frames.begin());
+        const auto t = static_cast<std::size_t>(
+            std::find(set->frames.begin(), set->frames.end(), frame) - set->frames.begin());
         const auto columns = set->columns_per_frame();
         for (const auto* const window : {&set->seams, &set->pairs}) {
             const auto kind = window == &set->seams ? set->kind : opposite(set->kind);
@@ -112,7 +124,8 @@ std::vector<std::uint16_t> original_entries(const std::vector<std::shared_ptr<co
                 entries.clear();
                 for (const auto& seam : *window) entries.push_back(seam.at[t * columns + column]);
                 if (kind == Seams::Kind::remove) to_original(entries, scratch);
-                for (std::size_t n = 0; n < entries.size(); ++n) out[base + n * columns + column] = entries[n];
+                for (std::size_t n = 0; n < entries.size(); ++n)
+                    out[base + n * columns + column] = entries[n];
             }
         }
     }
@@ -122,8 +135,11 @@ std::vector<std::uint16_t> original_entries(const std::vector<std::shared_ptr<co
 Json set_json(const Seams& set) {
     Json energies = Json::array(), shifts = Json::array();
     for (const auto& seam : set.seams) energies.push_back(seam.energy);
-    for (std::size_t count = 0; count <= set.seams.size(); ++count) shifts.push_back(set.shift_after(count));
-    const auto window = [](const std::optional<Window>& each) { return each ? Json{each->first, each->last} : Json(); };
+    for (std::size_t count = 0; count <= set.seams.size(); ++count)
+        shifts.push_back(set.shift_after(count));
+    const auto window = [](const std::optional<Window>& each) {
+        return each ? Json{each->first, each->last} : Json();
+    };
     return {{"axis", dimension(set.axis)},   {"kind", to_text(set.kind)},
             {"closed", set.closed},          {"around", set.around},
             {"paired", set.paired()},        {"shape", set.shape},
@@ -132,7 +148,8 @@ Json set_json(const Seams& set) {
             {"shifts", std::move(shifts)}};
 }
 
-/// Numbers equal things: lattices, rigs and frames of seams that several frames share are written once.
+/// Numbers equal things: lattices, rigs and frames of seams that several frames share are written
+/// once.
 class Shared {
 public:
     /// @param make  the thing, if it is new
@@ -161,22 +178,29 @@ struct Span {
 };
 
 float background_of(const openvdb::GridBase& grid) {
-    return grid.isType<FloatGrid>() ? static_cast<const FloatGrid&>(grid).background() : static_cast<const VectorGrid&>(grid).background().length();
+    return grid.isType<FloatGrid>() ? static_cast<const FloatGrid&>(grid).background()
+                                    : static_cast<const VectorGrid&>(grid).background().length();
 }
 
 }  // namespace
 
 Json page_scene(const PageWish& wish, const std::vector<PageFrame>& frames) {
     const auto& first = frames.front();
-    if (!first.before->transform().isLinear()) throw Failure(fmt::format("grid '{}' lies in a frustum; a page shows grids with linear transforms", wish.grid));
+    if (!first.before->transform().isLinear())
+        throw Failure(fmt::format(
+            "grid '{}' lies in a frustum; a page shows grids with linear transforms", wish.grid));
     for (const auto& frame : frames)
         if (frame.before->transform() != first.before->transform())
-            throw Failure(fmt::format("grid '{}' has another transform in frame {} than in frame {}; a page shows frames in one space", wish.grid, frame.number,
-                                      first.number));
+            throw Failure(
+                fmt::format("grid '{}' has another transform in frame {} than in frame {}; a page "
+                            "shows frames in one space",
+                            wish.grid, frame.number, first.number));
     const auto box = shown_box(frames);
     require_near(wish.grid, box);
-    const bool flat = box.min().x() == box.max().x() || box.min().y() == box.max().y() || box.min().z() == box.max().z();
-    const auto page = page_grid(first.before->transformPtr(), box, flat ? wish.flat_voxels : wish.voxels);
+    const bool flat = box.min().x() == box.max().x() || box.min().y() == box.max().y() ||
+                      box.min().z() == box.max().z();
+    const auto page =
+        page_grid(first.before->transformPtr(), box, flat ? wish.flat_voxels : wish.voxels);
 
     Span seen, energy;
     seen.add({background_of(*first.before)});
@@ -191,7 +215,8 @@ Json page_scene(const PageWish& wish, const std::vector<PageFrame>& frames) {
     if (energy.high == 0) energy.high = 1;
     // The inside of a level set is below 0: it is shown as what there is most of.
     const bool level_set = first.before->getGridClass() == openvdb::GRID_LEVEL_SET;
-    const auto [from, to] = level_set ? std::pair(seen.high, seen.low) : std::pair(seen.low, seen.high);
+    const auto [from, to] =
+        level_set ? std::pair(seen.high, seen.low) : std::pair(seen.low, seen.high);
 
     Json out;
     out["title"] = wish.title;
@@ -200,13 +225,15 @@ Json page_scene(const PageWish& wish, const std::vector<PageFrame>& frames) {
     out["size"] = page.size;
     out["step"] = page.step;
     out["first"] = {page.first.x(), page.first.y(), page.first.z()};
-    out["world"] = {to_json(page.world(Vec3d(0))), to_json(page.world({1, 0, 0})), to_json(page.world({0, 1, 0})), to_json(page.world({0, 0, 1}))};
+    out["world"] = {to_json(page.world(Vec3d(0))), to_json(page.world({1, 0, 0})),
+                    to_json(page.world({0, 1, 0})), to_json(page.world({0, 0, 1}))};
     out["range"] = {from, to};
     out["background"] = page_bytes(std::vector{background_of(*first.before)}, from, to).front();
     out["energyRange"] = first.energy ? Json{0, energy.high} : Json();
     out["setting"] = wish.setting;
     out["count"] = wish.count;
-    out["softness"] = {{"soft", wish.softness.vertices}, {"soft_time", wish.softness.frames}, {"fade", wish.fade}};
+    out["softness"] = {
+        {"soft", wish.softness.vertices}, {"soft_time", wish.softness.frames}, {"fade", wish.fade}};
     out["masks"] = Json::array();
     for (const auto& [name, mask] : first.masks) out["masks"].push_back(name);
     out["sets"] = Json::array();
@@ -216,19 +243,29 @@ Json page_scene(const PageWish& wish, const std::vector<PageFrame>& frames) {
     Json list = Json::array();
     for (std::size_t n = 0; n < frames.size(); ++n) {
         const auto& frame = frames[n];
-        Json each{{"number", frame.number}, {"lattice", nullptr}, {"rig", nullptr}, {"seams", Json::array()}};
-        if (frame.lattice) each["lattice"] = lattices.number(frame.lattice->hash, [&] { return lattice_json(*frame.lattice, frame.seams, page); });
+        Json each{{"number", frame.number},
+                  {"lattice", nullptr},
+                  {"rig", nullptr},
+                  {"seams", Json::array()}};
+        if (frame.lattice)
+            each["lattice"] = lattices.number(frame.lattice->hash, [&] {
+                return lattice_json(*frame.lattice, frame.seams, page);
+            });
         if (frame.rig) {
             const auto rig = rig_json(*frame.rig, page);
             each["rig"] = rigs.number(rig.dump(), [&] { return rig; });
         }
         if (!frame.seams.empty()) {
-            // The neighbours in time, this frame in the middle; at an end of the sequence the last one again (soften()).
+            // The neighbours in time, this frame in the middle; at an end of the sequence the last
+            // one again (soften()).
             const auto& numbers = frame.seams.front()->frames;
-            const int reach = static_cast<int>(std::ceil(wish.softness.frames)), last = static_cast<int>(numbers.size()) - 1;
-            const auto place = static_cast<int>(std::find(numbers.begin(), numbers.end(), frame.number) - numbers.begin());
+            const int reach = static_cast<int>(std::ceil(wish.softness.frames)),
+                      last = static_cast<int>(numbers.size()) - 1;
+            const auto place = static_cast<int>(
+                std::find(numbers.begin(), numbers.end(), frame.number) - numbers.begin());
             for (int by = -reach; by <= reach; ++by) {
-                const int number = numbers[static_cast<std::size_t>(std::clamp(place + by, 0, last))];
+                const int number =
+                    numbers[static_cast<std::size_t>(std::clamp(place + by, 0, last))];
                 each["seams"].push_back(seams.number(std::to_string(number), [&] {
                     std::vector<std::uint8_t> bytes;
                     append_differences(bytes, original_entries(frame.seams, number));
@@ -239,7 +276,8 @@ Json page_scene(const PageWish& wish, const std::vector<PageFrame>& frames) {
         std::vector<std::uint8_t> bytes;
         append_differences(bytes, page_bytes(values[n], from, to));
         if (frame.energy) append_differences(bytes, page_bytes(energies[n], 0, energy.high));
-        for (const auto& [name, mask] : frame.masks) append_differences(bytes, page_mask(*mask, page));
+        for (const auto& [name, mask] : frame.masks)
+            append_differences(bytes, page_mask(*mask, page));
         each["voxels"] = packed(bytes);
         list.push_back(std::move(each));
     }

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "nodes/lattice/lattice.h"
-#include "nodes/payloads.h"
-#include "nodes/rig/rig.h"
-#include "nodes/seams/seams.h"
-#include "nodes/seams/smooth_displacement.h"
+#include "carve/lattice/lattice.h"
+#include "carve/rig/rig.h"
+#include "carve/seam/seams.h"
+#include "carve/seam/smooth_displacement.h"
+#include "carve/volume/volume.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -32,15 +32,16 @@ struct PageWish {
 struct PageFrame {
     int number = 0;
     openvdb::GridBase::ConstPtr before;
-    FloatGrid::ConstPtr energy;                                              ///< null, or set in all frames
-    std::shared_ptr<const Lattice> lattice;                                  ///< null, or set in all frames; set if there are seams
-    std::shared_ptr<const Rig> rig;                                          ///< null, or set in all frames
+    FloatGrid::ConstPtr energy;              ///< null, or set in all frames
+    std::shared_ptr<const Lattice> lattice;  ///< null, or set in all frames; set if there are seams
+    std::shared_ptr<const Rig> rig;          ///< null, or set in all frames
     std::vector<std::pair<std::string, openvdb::GridBase::ConstPtr>> masks;  ///< by name
-    std::vector<std::shared_ptr<const Seams>> seams;                         ///< in the order of carving
+    std::vector<std::shared_ptr<const Seams>> seams;  ///< in the order of carving
 };
 
-/// The data of a page, which its script reads (nodes/page/scene.js). Volumes have 8 bits a voxel, with one scale for all frames. Lattices
-/// and rigs are in page voxels. Entries of seams are original indices; with those of neighbouring frames, if the carve is soft in time.
+/// The data of a page, which its script reads (nodes/page/scene.js). Volumes have 8 bits a voxel,
+/// with one scale for all frames. Lattices and rigs are in page voxels. Entries of seams are
+/// original indices; with those of neighbouring frames, if the carve is soft in time.
 /// @param frames  at least one, rising
 /// @throws Failure if a grid can't be shown, or seams do not fit the lattice or the frame
 nlohmann::ordered_json page_scene(const PageWish& wish, const std::vector<PageFrame>& frames);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/types/provenance.h"
+#include "formats/file/provenance.h"
 #include "nodes/preview/colours.h"
 
 #include <memory>
@@ -19,7 +19,8 @@ struct Picture {
 /// Reads a PNG file, opacity left out. @throws Failure (input) if it can't be read
 Picture read_png(const std::string& path);
 
-/// A page in memory to draw on, which can be written as PNG. Lengths in pixels, y down from the top left.
+/// A page in memory to draw on, which can be written as PNG. Lengths in pixels, y down from the top
+/// left.
 class Canvas {
 public:
     struct Rect {
@@ -56,13 +57,19 @@ public:
     /// Draws straight lines with round ends, clipped to `within`.
     void lines(const Rect& within, const std::vector<Line>& lines, double width, Colour colour);
     enum class Enlarge { pixels, smoothly };
-    /// Draws a picture scaled to a rectangle. @param enlarge  `pixels` keeps sharp pixels at integer scales; other scales are smooth
+    /// Draws a picture scaled to a rectangle.
+    /// @param enlarge  `pixels` keeps sharp pixels at integer scales; other scales are smooth
     void picture(const Rect& rect, const Picture& picture, Enlarge enlarge = Enlarge::pixels);
-    /// Draws a line of text. @param x  of its left end, centre or right end, as `align` says @param y  of its baseline
-    void text(double x, double y, const std::string& text, const Type& type, Align align = Align::left);
+    /// Draws a line of text.
+    /// @param x  of its left end, centre or right end, as `align` says
+    /// @param y  of its baseline
+    void text(double x, double y, const std::string& text, const Type& type,
+              Align align = Align::left);
     double text_width(const std::string& text, const Type& type);
 
-    /// The file appears whole or not at all. @param provenance  what it states of how it was made @throws Failure if it can't be written
+    /// The file appears whole or not at all.
+    /// @param provenance  what it states of how it was made
+    /// @throws Failure if it can't be written
     void write_png(const std::string& path, const Provenance& provenance = {}) const;
 
 private:

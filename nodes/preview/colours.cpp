@@ -35,14 +35,22 @@ constexpr std::array<Colour, 11> diverging_steps{{{186, 219, 255},
                                                   {254, 202, 179}}};
 
 // Colours of glowing iron.
-constexpr std::array<Colour, 7> flame_steps{{{0, 0, 0}, {92, 14, 2}, {176, 38, 6}, {232, 84, 14}, {252, 146, 36}, {255, 206, 96}, {255, 246, 214}}};
+constexpr std::array<Colour, 7> flame_steps{{{0, 0, 0},
+                                             {92, 14, 2},
+                                             {176, 38, 6},
+                                             {232, 84, 14},
+                                             {252, 146, 36},
+                                             {255, 206, 96},
+                                             {255, 246, 214}}};
 
 template <std::size_t N>
 Colour between(const std::array<Colour, N>& steps, double fraction) {
     const double place = std::clamp(fraction, 0.0, 1.0) * (N - 1);
     const auto step = std::min(static_cast<std::size_t>(place), N - 2);
     const double rest = place - static_cast<double>(step);
-    const auto mix = [&](std::uint8_t a, std::uint8_t b) { return static_cast<std::uint8_t>(std::lround(a + (b - a) * rest)); };
+    const auto mix = [&](std::uint8_t a, std::uint8_t b) {
+        return static_cast<std::uint8_t>(std::lround(a + (b - a) * rest));
+    };
     const auto& low = steps[step];
     const auto& high = steps[step + 1];
     return {mix(low.red, high.red), mix(low.green, high.green), mix(low.blue, high.blue)};
@@ -54,6 +62,8 @@ Colour heat(double fraction) { return between(heat_steps, std::isnan(fraction) ?
 
 Colour flame(double fraction) { return between(flame_steps, std::isnan(fraction) ? 0 : fraction); }
 
-Colour diverging(double fraction) { return between(diverging_steps, std::isnan(fraction) ? 0.5 : (fraction + 1) / 2); }
+Colour diverging(double fraction) {
+    return between(diverging_steps, std::isnan(fraction) ? 0.5 : (fraction + 1) / 2);
+}
 
 }  // namespace fluidcarve

@@ -12,15 +12,15 @@ struct Colour {
     bool operator==(const Colour&) const = default;
 };
 
-/// Colour map for 0 to 1, clamped: black, violet, red, orange, pale yellow. Lightness rises evenly, so that equal steps look equal, also
-/// in greyscale.
+/// Colour map for 0 to 1, clamped: black, violet, red, orange, pale yellow. Lightness rises evenly,
+/// so that equal steps look equal, also in greyscale.
 Colour heat(double fraction);
 
 /// Colour map of glowing fire for 0 to 1, clamped: black, dark red, orange, yellow, nearly white.
 Colour flame(double fraction);
 
-/// Colour map for -1 to 1, clamped: pale blue, blue, dark grey at 0, brown, pale orange. Lightness rises evenly from 0 to both sides;
-/// opposite values are equally light.
+/// Colour map for -1 to 1, clamped: pale blue, blue, dark grey at 0, brown, pale orange. Lightness
+/// rises evenly from 0 to both sides; opposite values are equally light.
 Colour diverging(double fraction);
 
 }  // namespace fluidcarve

@@ -3,7 +3,6 @@
 #include "nodes/preview/view.h"
 
 #include <openvdb/openvdb.h>
-
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -17,11 +16,12 @@ namespace fluidcarve {
 inline float seen_value(float value) { return value; }
 inline float seen_value(const openvdb::Vec3s& value) { return value.length(); }
 
-/// Calls `body(leaf)` for all leaves that overlap an index box, in parallel. Leaves that share cells are handled one after the other, so
-/// that the body may write to a Projection.
+/// Calls `body(leaf)` for all leaves that overlap an index box, in parallel. Leaves that share
+/// cells are handled one after the other, so that the body may write to a Projection.
 /// @param cell  size of a cell, voxels
 template <class Tree, class Body>
-void for_each_leaf_in_sight(const Tree& tree, View view, const openvdb::CoordBBox& box, int cell, const Body& body) {
+void for_each_leaf_in_sight(const Tree& tree, View view, const openvdb::CoordBBox& box, int cell,
+                            const Body& body) {
     using Leaf = typename Tree::LeafNodeType;
     const int block = std::max<int>(Leaf::DIM, cell);
     std::map<std::pair<int, int>, std::vector<const Leaf*>> lines;

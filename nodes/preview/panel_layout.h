@@ -7,8 +7,9 @@
 
 namespace fluidcarve {
 
-/// The arrangement of a sheet's panels, and the scale of their pictures, which is the same in all. Frames go across, rows down; frames
-/// that do not fit side by side wrap into bands. Lengths in pixels.
+/// The arrangement of a sheet's panels, and the scale of their pictures, which is the same in all.
+/// Frames go across, rows down; frames that do not fit side by side wrap into bands. Lengths in
+/// pixels.
 class PanelLayout {
 public:
     static constexpr double least_page = 560;
@@ -30,13 +31,19 @@ public:
     std::size_t bands() const { return bands_; }
     double column() const { return column_; }  ///< width of a panel
     double row() const { return row_; }        ///< height of a panel
-    double page_width() const { return beside_ + static_cast<double>(across_) * (column_ + gap) - gap; }
+    double page_width() const {
+        return beside_ + static_cast<double>(across_) * (column_ + gap) - gap;
+    }
 
     /// The picture's rectangle inside a panel with the upper left corner (x, y).
     Canvas::Rect picture(double x, double y) const;
     /// Page coordinates of a position in voxels, in a picture.
-    double right(const Canvas::Rect& picture, double voxels) const { return picture.x + (voxels / cell_ - cells_.first[0]) * zoom_; }
-    double up(const Canvas::Rect& picture, double voxels) const { return picture.y + picture.height - (voxels / cell_ - cells_.first[1]) * zoom_; }
+    double right(const Canvas::Rect& picture, double voxels) const {
+        return picture.x + (voxels / cell_ - cells_.first[0]) * zoom_;
+    }
+    double up(const Canvas::Rect& picture, double voxels) const {
+        return picture.y + picture.height - (voxels / cell_ - cells_.first[1]) * zoom_;
+    }
     /// The rectangle of an area in voxels, in a picture, rounded to pixels.
     Canvas::Rect place(const Canvas::Rect& picture, const Area& area) const;
 

@@ -12,7 +12,8 @@ namespace {
 
 Projection blank(int cell, const Area& cells, Projection::Keep keep) {
     Projection out{cell, cells, {}, keep};
-    out.values.assign(static_cast<std::size_t>(cells.size(0)) * cells.size(1), std::numeric_limits<float>::quiet_NaN());
+    out.values.assign(static_cast<std::size_t>(cells.size(0)) * cells.size(1),
+                      std::numeric_limits<float>::quiet_NaN());
     return out;
 }
 
@@ -35,7 +36,8 @@ Projection project(const Grid& grid, View view, const openvdb::CoordBBox& box, i
         if (bounds.empty()) continue;
         const auto covered = in_cells(face_of(bounds, view), out.cell);
         for (int y = covered.first[1]; y <= covered.last[1]; ++y)
-            for (int x = covered.first[0]; x <= covered.last[0]; ++x) out.see(x, y, seen_value(*tile));
+            for (int x = covered.first[0]; x <= covered.last[0]; ++x)
+                out.see(x, y, seen_value(*tile));
     }
     return out;
 }
@@ -53,16 +55,23 @@ void Projection::see(const openvdb::Coord& voxel, View view, float value) {
     see(floor_div(voxel[right], cell), floor_div(voxel[up], cell), value);
 }
 
-Projection blank_projection(const openvdb::CoordBBox& box, View view, int most, Projection::Keep keep) {
+Projection blank_projection(const openvdb::CoordBBox& box, View view, int most,
+                            Projection::Keep keep) {
     const auto area = face_of(box, view);
     int cell = 1;
     while (std::max(area.size(0), area.size(1)) / cell >= most) cell *= 2;
     return blank(cell, in_cells(area, cell), keep);
 }
 
-Projection maximum_projection(const FloatGrid& grid, View view, const openvdb::CoordBBox& box, int most) { return project(grid, view, box, most); }
+Projection maximum_projection(const FloatGrid& grid, View view, const openvdb::CoordBBox& box,
+                              int most) {
+    return project(grid, view, box, most);
+}
 
-Projection maximum_projection(const VectorGrid& grid, View view, const openvdb::CoordBBox& box, int most) { return project(grid, view, box, most); }
+Projection maximum_projection(const VectorGrid& grid, View view, const openvdb::CoordBBox& box,
+                              int most) {
+    return project(grid, view, box, most);
+}
 
 Projection fitted(const Projection& projection, int cell, const Area& cells) {
     auto out = blank(cell, cells, projection.keep);
@@ -72,7 +81,9 @@ Projection fitted(const Projection& projection, int cell, const Area& cells) {
         for (int x = from.first[0]; x <= from.last[0]; ++x) {
             const int right = floor_div(x, factor);
             const int up = floor_div(y, factor);
-            if (right < cells.first[0] || right > cells.last[0] || up < cells.first[1] || up > cells.last[1]) continue;
+            if (right < cells.first[0] || right > cells.last[0] || up < cells.first[1] ||
+                up > cells.last[1])
+                continue;
             out.see(right, up, projection.at(x, y));
         }
     return out;

@@ -1,7 +1,7 @@
 #include "nodes/preview/render.h"
 
-#include "graph/text/problem.h"
-#include "nodes/field/extent.h"
+#include "carve/base/failure.h"
+#include "carve/field/extent.h"
 
 #include <fmt/format.h>
 #include <openvdb/tools/Filter.h>
@@ -29,22 +29,25 @@ using openvdb::tools::BoxSampler;
 constexpr int most_pixels = 400;  // maximum pixels on the longer side
 constexpr int finest = 2;         // maximum pixels per voxel; the page enlarges them smoothly
 
-// Lengths are relative to the mean side of the box, so that a simulation looks the same at any resolution.
+// Lengths are relative to the mean side of the box, so that a simulation looks the same at any
+// resolution.
 constexpr double smoke_depth = 50;  // optical depth of the thickest smoke over the mean side
 constexpr double fire_depth = 60;   // emission of the brightest fire over the mean side
 constexpr double albedo = 0.92;
 constexpr double key_light = 0.92;
 constexpr double ambient_light = 0.03;  // light from all sides, so that shadows are not black
-constexpr double light_gain = 0.02;     // how fast shadows fade with distance, an approximation of scattered light
-constexpr double by_fire = 0.4;         // factor of both lights if the exposure includes fire
-constexpr double fire_light = 7;        // strength of the fire's light on the smoke around it
-constexpr double fire_reach = 0.06;     // reach of that light, in mean sides
+constexpr double light_gain =
+    0.02;  // how fast shadows fade with distance, an approximation of scattered light
+constexpr double by_fire = 0.4;      // factor of both lights if the exposure includes fire
+constexpr double fire_light = 7;     // strength of the fire's light on the smoke around it
+constexpr double fire_reach = 0.06;  // reach of that light, in mean sides
 constexpr std::array<double, 3> fire_colour{1, 0.32, 0.06};
 // Direction to the light.
 constexpr double light_right = -0.75;
 constexpr double light_up = 0.6;
 constexpr double light_front = 0.32;
-// Steps along a ray, in voxels. They are longer in large boxes, so that time does not grow with the third power of the side.
+// Steps along a ray, in voxels. They are longer in large boxes, so that time does not grow with the
+// third power of the side.
 constexpr double view_step = 1;
 constexpr double most_view_steps = 100;  // per mean side
 constexpr double shadow_step = 3;
@@ -61,7 +64,8 @@ struct ViewWindow {
 
     ViewWindow(View view, const openvdb::CoordBBox& box) {
         const auto size = extents_of(box);
-        mean_side = std::cbrt(static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]));
+        mean_side = std::cbrt(static_cast<double>(size[0]) * static_cast<double>(size[1]) *
+                              static_cast<double>(size[2]));
         area = face_of(box, view);
         const int longer = std::max(area.size(0), area.size(1));
         int voxels = 1;
@@ -95,7 +99,8 @@ struct ViewWindow {
     }
 };
 
-/// A copy in index space, divided by the highest value. Inactive, negative and non-finite values become 0.
+/// A copy in index space, divided by the highest value. Inactive, negative and non-finite values
+/// become 0.
 FloatGrid::Ptr medium(const FloatGrid& grid, float highest) {
     auto out = FloatGrid::create();
     out->setTree(grid.tree().copy());
@@ -111,16 +116,20 @@ FloatGrid::Ptr medium(const FloatGrid& grid, float highest) {
 
 /// The same for a grid that may be null. @return null if nothing is visible
 FloatGrid::Ptr medium(const FloatGrid::ConstPtr& grid, float highest) {
-    return grid && highest > 0 && !grid->evalActiveVoxelBoundingBox().empty() ? medium(*grid, highest) : nullptr;
+    return grid && highest > 0 && !grid->evalActiveVoxelBoundingBox().empty()
+               ? medium(*grid, highest)
+               : nullptr;
 }
 
 Film lit(const FloatGrid& smoke, const ViewWindow& window) {
     Film film(window.width, window.height);
     auto camera = window.camera(film);
-    // Dilated by one voxel, since the sampler interpolates beyond active voxels. Must outlive the renderer's copies, which refer to it.
+    // Dilated by one voxel, since the sampler interpolates beyond active voxels. Must outlive the
+    // renderer's copies, which refer to it.
     const Intersector whole(smoke, 1);
     Renderer renderer(whole, camera);
-    const auto light = light_right * window.right + light_up * window.up + light_front * window.towards;
+    const auto light =
+        light_right * window.right + light_up * window.up + light_front * window.towards;
     renderer.setLightDir(light.x(), light.y(), light.z());
     renderer.setLightColor(key_light, key_light, key_light);
     const double thickness = smoke_depth / window.mean_side;
@@ -129,7 +138,8 @@ Film lit(const FloatGrid& smoke, const ViewWindow& window) {
     renderer.setAbsorption(absorption, absorption, absorption);
     renderer.setLightGain(light_gain);
     renderer.setPrimaryStep(window.step());
-    renderer.setShadowStep(std::max({shadow_step, window.mean_side / most_shadow_steps, window.cell}));
+    renderer.setShadowStep(
+        std::max({shadow_step, window.mean_side / most_shadow_steps, window.cell}));
     renderer.setCutOff(hidden);
     renderer.render();
     return film;
@@ -145,12 +155,14 @@ FloatGrid::Ptr fire_light_in(const FloatGrid& fire, const FloatGrid& smoke, doub
     return out;
 }
 
-/// Light of the fire in one pixel: what comes through the smoke, times the gain, and what the smoke scatters.
+/// Light of the fire in one pixel: what comes through the smoke, times the gain, and what the smoke
+/// scatters.
 struct Glow {
     double fire = 0;
     double smoke = 0;
 };
-std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const ViewWindow& window, double gain) {
+std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const ViewWindow& window,
+                       double gain) {
     Film film(window.width, window.height);
     const auto camera = window.camera(film);
     FloatGrid::ConstPtr light;
@@ -158,35 +170,42 @@ std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const View
     const Intersector whole(light ? *light : fire, 1);
     const double step = window.step();
     std::vector<Glow> out(film.numPixels());
-    tbb::parallel_for(tbb::blocked_range<int>(0, window.height), [&](const tbb::blocked_range<int>& rows) {
-        Intersector hits(whole);
-        const auto fire_values = fire.getConstAccessor();
-        const auto smoke_values = (smoke ? *smoke : fire).getConstAccessor();
-        const auto light_values = (light ? *light : fire).getConstAccessor();
-        std::vector<Intersector::RayType::TimeSpan> spans;
-        for (int y = rows.begin(); y < rows.end(); ++y)
-            for (int x = 0; x < window.width; ++x) {
-                const auto ray = camera.getRay(x, y);
-                if (!hits.setIndexRay(ray)) continue;
-                hits.hits(spans);
-                double through = 1, heat = 0, scattered = 0;
-                for (const auto& span : spans)
-                    for (double at = step * std::ceil(span.t0 / step); at < span.t1 && through > hidden; at += step) {
-                        const auto place = ray(at);
-                        const double flame = BoxSampler::sample(fire_values, place);
-                        heat += through * flame * flame * fire_depth / window.mean_side * step;
-                        if (!smoke) continue;
-                        const double stays = std::exp(-smoke_depth / window.mean_side * step * BoxSampler::sample(smoke_values, place));
-                        scattered += through * (1 - stays) * BoxSampler::sample(light_values, place);
-                        through *= stays;
-                    }
-                out[static_cast<std::size_t>(y) * window.width + x] = {1 - std::exp(-gain * heat), fire_light * scattered};
-            }
-    });
+    tbb::parallel_for(
+        tbb::blocked_range<int>(0, window.height), [&](const tbb::blocked_range<int>& rows) {
+            Intersector hits(whole);
+            const auto fire_values = fire.getConstAccessor();
+            const auto smoke_values = (smoke ? *smoke : fire).getConstAccessor();
+            const auto light_values = (light ? *light : fire).getConstAccessor();
+            std::vector<Intersector::RayType::TimeSpan> spans;
+            for (int y = rows.begin(); y < rows.end(); ++y)
+                for (int x = 0; x < window.width; ++x) {
+                    const auto ray = camera.getRay(x, y);
+                    if (!hits.setIndexRay(ray)) continue;
+                    hits.hits(spans);
+                    double through = 1, heat = 0, scattered = 0;
+                    for (const auto& span : spans)
+                        for (double at = step * std::ceil(span.t0 / step);
+                             at < span.t1 && through > hidden; at += step) {
+                            const auto place = ray(at);
+                            const double flame = BoxSampler::sample(fire_values, place);
+                            heat += through * flame * flame * fire_depth / window.mean_side * step;
+                            if (!smoke) continue;
+                            const double stays = std::exp(-smoke_depth / window.mean_side * step *
+                                                          BoxSampler::sample(smoke_values, place));
+                            scattered +=
+                                through * (1 - stays) * BoxSampler::sample(light_values, place);
+                            through *= stays;
+                        }
+                    out[static_cast<std::size_t>(y) * window.width + x] = {
+                        1 - std::exp(-gain * heat), fire_light * scattered};
+                }
+        });
     return out;
 }
 
-std::uint8_t byte(double value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0))); }
+std::uint8_t byte(double value) {
+    return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+}
 
 /// Convert linear light to a screen value, 0 to 255 (gamma 2.2), and back.
 double on_screen(double light) { return 255 * std::pow(std::max(light, 0.0), 1 / 2.2); }
@@ -206,28 +225,37 @@ openvdb::CoordBBox Scene::box() const {
 
 namespace {
 
-/// What is rendered of a grid: of a level set all that is inside, 1 from a voxel below the surface on; of others their values.
+/// What is rendered of a grid: of a level set all that is inside, 1 from a voxel below the surface
+/// on; of others their values.
 FloatGrid::ConstPtr seen(const FloatGrid::ConstPtr& grid) {
     if (grid->getGridClass() != openvdb::GRID_LEVEL_SET) return grid;
     const auto out = grid->deepCopy();
     openvdb::tools::sdfToFogVolume(*out);
     // It rises over the width of the narrow band.
     const auto band = grid->background() / static_cast<float>(grid->voxelSize().x());
-    openvdb::tools::foreach (out->beginValueOn(), [band](const FloatGrid::ValueOnIter& at) { at.setValue(std::min(1.0f, band * *at)); });
+    openvdb::tools::foreach (out->beginValueOn(), [band](const FloatGrid::ValueOnIter& at) {
+        at.setValue(std::min(1.0f, band * *at));
+    });
     return out;
 }
 
 }  // namespace
 
-bool glows(const std::string& name) { return name == "flame" || name == "temperature" || name == "heat"; }
+bool glows(const std::string& name) {
+    return name == "flame" || name == "temperature" || name == "heat";
+}
 
-Scene scene_of(const Volume& volume, const std::string& input, const openvdb::GridBase::ConstPtr& shown) {
+Scene scene_of(const Volume& volume, const std::string& input,
+               const openvdb::GridBase::ConstPtr& shown) {
     const auto grid = openvdb::gridConstPtrCast<FloatGrid>(shown);
     if (!grid)
-        throw Failure(fmt::format("grid '{}' of '{}' holds {} values; 'show: render' needs floats: name another grid, or choose 'show: maximum'",
-                                  shown->getName(), input, shown->valueType()));
+        throw Failure(
+            fmt::format("grid '{}' of '{}' holds {} values; 'show: render' needs floats: name "
+                        "another grid, or choose 'show: maximum'",
+                        shown->getName(), input, shown->valueType()));
     const bool burns = glows(shown->getName());
-    const auto other = openvdb::gridConstPtrCast<FloatGrid>(volume.find(burns ? "density" : "flame"));
+    const auto other =
+        openvdb::gridConstPtrCast<FloatGrid>(volume.find(burns ? "density" : "flame"));
     Scene out{seen(grid), nullptr, {}};
     if (other && other->transform() == grid->transform()) out.fire = other;
     else if (other) out.left_out = other->getName();
@@ -245,7 +273,8 @@ void Exposure::meter(const Scene& scene) {
     raise(fire, scene.fire);
 }
 
-Render render(const Scene& scene, View view, const openvdb::CoordBBox& box, const Exposure& exposure) {
+Render render(const Scene& scene, View view, const openvdb::CoordBBox& box,
+              const Exposure& exposure) {
     const ViewWindow window(view, box);
     const auto smoke = medium(scene.smoke, exposure.smoke);
     const auto fire = medium(scene.fire, exposure.fire);
@@ -271,7 +300,8 @@ Render render(const Scene& scene, View view, const openvdb::CoordBBox& box, cons
             // Fire hides what is behind it.
             return byte(on_screen(seen) * (1 - heat) * (1 - heat) + glow);
         };
-        out.picture.pixels.push_back({shade(red, render_background.red, flame.red), shade(green, render_background.green, flame.green),
+        out.picture.pixels.push_back({shade(red, render_background.red, flame.red),
+                                      shade(green, render_background.green, flame.green),
                                       shade(blue, render_background.blue, flame.blue)});
     }
     return out;

@@ -17,28 +17,32 @@ struct Scene {
     openvdb::CoordBBox box() const;
 };
 
-/// Whether a grid is rendered as fire, by its name: flame, temperature or heat. All others are smoke.
+/// Whether a grid is rendered as fire, by its name: flame, temperature or heat. All others are
+/// smoke.
 bool glows(const std::string& name);
 
-/// The shown grid and its counterpart, if the volume has it as a float grid: `flame` for smoke, `density` for fire.
-/// A level set is rendered as all that is inside, evenly thick.
+/// The shown grid and its counterpart, if the volume has it as a float grid: `flame` for smoke,
+/// `density` for fire. A level set is rendered as all that is inside, evenly thick.
 /// @param input  the input's name, for messages
 /// @param shown  a grid of the volume
 /// @throws Failure if the shown grid holds no floats
-Scene scene_of(const Volume& volume, const std::string& input, const openvdb::GridBase::ConstPtr& shown);
+Scene scene_of(const Volume& volume, const std::string& input,
+               const openvdb::GridBase::ConstPtr& shown);
 
-/// How bright a render is: the values that are rendered as the thickest smoke and the brightest fire, and the gain of all light. Higher
-/// values are rendered thicker and brighter still.
+/// How bright a render is: the values that are rendered as the thickest smoke and the brightest
+/// fire, and the gain of all light. Higher values are rendered thicker and brighter still.
 struct Exposure {
     float smoke = 0;
     float fire = 0;
-    double gain = 1;  ///< factor of the light that smoke scatters and fire gives; the background has none
+    double gain =
+        1;  ///< factor of the light that smoke scatters and fire gives; the background has none
 
     /// Raises both to the highest active values of a scene. Values that are not finite are ignored.
     void meter(const Scene& scene);
 };
 
-/// A rendered picture of an area. A voxel is a whole number of pixels, or a pixel a whole number of voxels.
+/// A rendered picture of an area. A voxel is a whole number of pixels, or a pixel a whole number of
+/// voxels.
 struct Render {
     Area area;        ///< in voxels
     Picture picture;  ///< empty: nothing is rendered
@@ -48,11 +52,15 @@ struct Render {
 /// Background colour of a render.
 constexpr Colour render_background{74, 81, 94};
 
-/// Renders smoke, lit from the front at the upper left, with shadows, and fire that glows through it. Scenes are rendered in index
-/// space, so that the picture covers the same area as a projection of the same box. The light on the smoke is dimmer if the exposure
-/// includes fire. The result does not depend on the number of threads.
-/// @param box       index box that the picture shows, not empty; pictures to compare must use the same
-/// @param exposure  pictures to compare must use the same; a medium with the value 0 is not rendered
-Render render(const Scene& scene, View view, const openvdb::CoordBBox& box, const Exposure& exposure);
+/// Renders smoke, lit from the front at the upper left, with shadows, and fire that glows through
+/// it. Scenes are rendered in index space, so that the picture covers the same area as a projection
+/// of the same box. The light on the smoke is dimmer if the exposure includes fire. The result does
+/// not depend on the number of threads.
+/// @param box       index box that the picture shows, not empty; pictures to compare must use the
+///   same
+/// @param exposure  pictures to compare must use the same; a medium with the value 0 is not
+///   rendered
+Render render(const Scene& scene, View view, const openvdb::CoordBBox& box,
+              const Exposure& exposure);
 
 }  // namespace fluidcarve

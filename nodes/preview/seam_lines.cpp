@@ -1,6 +1,6 @@
 #include "nodes/preview/seam_lines.h"
 
-#include "nodes/seams/carve_map.h"
+#include "carve/seam/carve_map.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,9 @@ public:
     explicit Rimmed(int size, bool closed = false) : size_(size), closed_(closed) {}
     int size() const { return size_ + (closed_ ? 1 : 2); }
     int column(int n) const { return closed_ ? n % size_ : std::clamp(n - 1, 0, size_ - 1); }
-    double coordinate(int n) const { return closed_ ? n % size_ : std::clamp(n - 1.0, -0.5, size_ - 0.5); }
+    double coordinate(int n) const {
+        return closed_ ? n % size_ : std::clamp(n - 1.0, -0.5, size_ - 0.5);
+    }
 
 private:
     int size_;
@@ -31,7 +33,8 @@ private:
 /// Intersects the seams of one frame with the plane of a picture.
 class Surfaces {
 public:
-    Surfaces(const Lattice& lattice, const Seams& seams, std::size_t t, const openvdb::math::Transform& space, View view, int plane)
+    Surfaces(const Lattice& lattice, const Seams& seams, std::size_t t,
+             const openvdb::math::Transform& space, View view, int plane)
         : lattice_(lattice),
           seams_(seams),
           t_(t),
@@ -55,9 +58,12 @@ public:
         const auto row = static_cast<std::size_t>(laterals_.size());
         for (int k = 0; k + 1 < slices_.size(); ++k)
             for (int lateral = 0; lateral + 1 < laterals_.size(); ++lateral) {
-                const auto* const near = &reach[static_cast<std::size_t>(k) * row + static_cast<std::size_t>(lateral)];
-                const double low = std::min({near[0].low, near[1].low, near[row].low, near[row + 1].low});
-                const double high = std::max({near[0].high, near[1].high, near[row].high, near[row + 1].high});
+                const auto* const near =
+                    &reach[static_cast<std::size_t>(k) * row + static_cast<std::size_t>(lateral)];
+                const double low =
+                    std::min({near[0].low, near[1].low, near[row].low, near[row + 1].low});
+                const double high =
+                    std::max({near[0].high, near[1].high, near[row].high, near[row + 1].high});
                 if (low <= 0 && high >= 0) cross(lateral, k);
             }
         return std::move(lines_);
@@ -66,7 +72,8 @@ public:
 private:
     Vec3d place(double entry, int lateral, int k) const {
         const double other = laterals_.coordinate(lateral), z = slices_.coordinate(k);
-        return space_.worldToIndex(lattice_.position(Vec3d(vertex_of(seams_.axis, entry, other, z).data())));
+        return space_.worldToIndex(
+            lattice_.position(Vec3d(vertex_of(seams_.axis, entry, other, z).data())));
     }
     double depth(const Vec3d& at) const { return at[static_cast<int>(view_)] - plane_; }
 
@@ -78,38 +85,51 @@ private:
     };
 
     /// All seams of a window in one column.
-    void cross_seams(const std::vector<Seams::Seam>& seams, Seams::Kind kind, int lateral, int k, std::vector<Crossing>& out) {
+    void cross_seams(const std::vector<Seams::Seam>& seams, Seams::Kind kind, int lateral, int k,
+                     std::vector<Crossing>& out) {
         const auto column = static_cast<std::size_t>(laterals_.column(lateral)) +
-                            static_cast<std::size_t>(seams_.lateral()) * static_cast<std::size_t>(slices_.column(k)) + t_ * seams_.columns_per_frame();
+                            static_cast<std::size_t>(seams_.lateral()) *
+                                static_cast<std::size_t>(slices_.column(k)) +
+                            t_ * seams_.columns_per_frame();
         entries_.clear();
         for (const auto& seam : seams) entries_.push_back(seam.at[column]);
         if (kind == Seams::Kind::remove) to_original(entries_, sorted_);
         const double behind = kind == Seams::Kind::insert ? 0.5 : 0;
         out.clear();
-        for (std::size_t n = 0; n < entries_.size(); ++n) out.push_back({{static_cast<int>(n), 0}, entries_[n] + behind});
+        for (std::size_t n = 0; n < entries_.size(); ++n)
+            out.push_back({{static_cast<int>(n), 0}, entries_[n] + behind});
     }
 
-    /// The places of a column from which on the warp moves another whole vertex further: where it moves by a whole number and a half. It may
-    /// do so several times.
+    /// The places of a column from which on the warp moves another whole vertex further: where it
+    /// moves by a whole number and a half. It may do so several times.
     void cross_warp(int lateral, int k, std::vector<Crossing>& out) {
         shifts_.resize(static_cast<std::size_t>(seams_.carved()));
         seams_.warp->column(t_, laterals_.column(lateral), slices_.column(k), shifts_);
         out.clear();
         for (std::size_t u = 0; u + 1 < shifts_.size(); ++u) {
             const double from = shifts_[u], to = shifts_[u + 1];
-            const int low = static_cast<int>(std::floor(std::min(from, to) + 0.5)), high = static_cast<int>(std::floor(std::max(from, to) + 0.5));
+            const int low = static_cast<int>(std::floor(std::min(from, to) + 0.5)),
+                      high = static_cast<int>(std::floor(std::max(from, to) + 0.5));
             for (int level = low; level < high; ++level) {
-                const auto before = std::ranges::count_if(out, [&](const Crossing& other) { return other.surface.first == level; });
-                out.push_back({{level, static_cast<int>(before)}, static_cast<double>(u) + (level + 0.5 - from) / (to - from)});
+                const auto before = std::ranges::count_if(
+                    out, [&](const Crossing& other) { return other.surface.first == level; });
+                out.push_back({{level, static_cast<int>(before)},
+                               static_cast<double>(u) + (level + 0.5 - from) / (to - from)});
             }
         }
         std::ranges::sort(out, std::less<>());
     }
 
     void cross(int lateral, int k) {
-        if (seams_.warp) return cross(lateral, k, [this](int j, int slice, auto& out) { cross_warp(j, slice, out); });
-        cross(lateral, k, [this](int j, int slice, auto& out) { cross_seams(seams_.seams, seams_.kind, j, slice, out); });
-        cross(lateral, k, [this](int j, int slice, auto& out) { cross_seams(seams_.pairs, opposite(seams_.kind), j, slice, out); });
+        if (seams_.warp)
+            return cross(lateral, k,
+                         [this](int j, int slice, auto& out) { cross_warp(j, slice, out); });
+        cross(lateral, k, [this](int j, int slice, auto& out) {
+            cross_seams(seams_.seams, seams_.kind, j, slice, out);
+        });
+        cross(lateral, k, [this](int j, int slice, auto& out) {
+            cross_seams(seams_.pairs, opposite(seams_.kind), j, slice, out);
+        });
     }
 
     /// Intersects all surfaces between four neighbouring columns, each as two triangles.
@@ -117,7 +137,8 @@ private:
     template <class Crossings>
     void cross(int lateral, int k, const Crossings& crossings) {
         constexpr std::array<std::array<int, 2>, 4> corners{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
-        for (std::size_t c = 0; c < 4; ++c) crossings(lateral + corners[c][0], k + corners[c][1], crossings_[c]);
+        for (std::size_t c = 0; c < 4; ++c)
+            crossings(lateral + corners[c][0], k + corners[c][1], crossings_[c]);
         for (const auto& first : crossings_[0]) {
             std::array<Vec3d, 4> at;
             bool all = true;
@@ -145,7 +166,8 @@ private:
             ends[found++] = {at[right] + 0.5, at[up] + 0.5};
         }
         // A triangle that only touches the plane with a vertex gives no line.
-        if (found == 2 && std::hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]) > 1e-6) lines_.push_back({ends[0], ends[1]});
+        if (found == 2 && std::hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]) > 1e-6)
+            lines_.push_back({ends[0], ends[1]});
     }
 
     const Lattice& lattice_;
@@ -163,23 +185,30 @@ private:
 
 }  // namespace
 
-bool seams_face(const Lattice& lattice, Axis axis, const openvdb::math::Transform& space, View view) {
+bool seams_face(const Lattice& lattice, Axis axis, const openvdb::math::Transform& space,
+                View view) {
     if (lattice.around) return false;
-    const Vec3d middle(0.5 * (lattice.shape[0] - 1), 0.5 * (lattice.shape[1] - 1), 0.5 * (lattice.shape[2] - 1));
+    const Vec3d middle(0.5 * (lattice.shape[0] - 1), 0.5 * (lattice.shape[1] - 1),
+                       0.5 * (lattice.shape[2] - 1));
     Vec3d step(0);
     step[static_cast<int>(axis)] = 1;
-    const auto along = space.worldToIndex(lattice.position(middle + step)) - space.worldToIndex(lattice.position(middle));
+    const auto along = space.worldToIndex(lattice.position(middle + step)) -
+                       space.worldToIndex(lattice.position(middle));
     return std::abs(along[static_cast<int>(view)]) > 0.9 * along.length();
 }
 
 std::size_t require_seams(const Lattice& lattice, const Seams& seams, int frame) {
     // A map of 0 seams only checks whether they fit.
-    static_cast<void>(CarveMap(lattice, {std::shared_ptr<const Seams>(std::shared_ptr<const Seams>(), &seams)}, frame, 0));
-    return static_cast<std::size_t>(std::find(seams.frames.begin(), seams.frames.end(), frame) - seams.frames.begin());
+    static_cast<void>(CarveMap(
+        lattice, {std::shared_ptr<const Seams>(std::shared_ptr<const Seams>(), &seams)}, frame, 0));
+    return static_cast<std::size_t>(std::find(seams.frames.begin(), seams.frames.end(), frame) -
+                                    seams.frames.begin());
 }
 
-std::vector<PictureLine> seam_lines(const Lattice& lattice, const Seams& seams, int frame, const openvdb::math::Transform& space, View view, int plane) {
-    return Surfaces(lattice, seams, require_seams(lattice, seams, frame), space, view, plane).lines();
+std::vector<PictureLine> seam_lines(const Lattice& lattice, const Seams& seams, int frame,
+                                    const openvdb::math::Transform& space, View view, int plane) {
+    return Surfaces(lattice, seams, require_seams(lattice, seams, frame), space, view, plane)
+        .lines();
 }
 
 }  // namespace fluidcarve

@@ -4,8 +4,8 @@
 
 namespace fluidcarve {
 
-/// `preview.sheet`: draws a grid before and after a carve, the difference and the seams, for some frames, as one PNG (SheetRows,
-/// draw_sheet).
+/// `preview.sheet`: draws a grid before and after a carve, the difference and the seams, for some
+/// frames, as one PNG (SheetRows, draw_sheet).
 NodeType preview_sheet();
 
 }  // namespace fluidcarve

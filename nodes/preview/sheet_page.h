@@ -25,8 +25,9 @@ struct SheetPanel {
 
 /// A row of pictures of one kind, with one panel per frame.
 struct SheetRow {
-    /// The colour scale. All rows with the same scale share its range: `value` and `energy` from 0, or from the smallest value if that is
-    /// negative, to the greatest; `change` symmetric around 0. Renders have no scale (`none`).
+    /// The colour scale. All rows with the same scale share its range: `value` and `energy` from 0,
+    /// or from the smallest value if that is negative, to the greatest; `change` symmetric around
+    /// 0. Renders have no scale (`none`).
     enum class Scale { value, change, energy, none };
     std::string name;
     std::string what;  ///< what the row shows: "slice at y = 22"
@@ -60,9 +61,10 @@ constexpr Colour rig_colour{168, 240, 64};
 /// The colours of the world's axes x, y and z.
 constexpr std::array<Colour, 3> axis_colours{{{226, 84, 76}, {112, 196, 88}, {92, 148, 246}}};
 
-/// Draws a sheet, 560 to 2000 pixels wide, with one column per frame. All panels show the same area, so that pictures can be compared: all
-/// that is shown, and the lattice and the rig, but of these no more than the size of the rest on each side. Beside each group of rows with the same scale is
-/// its colour bar with numbers.
+/// Draws a sheet, 560 to 2000 pixels wide, with one column per frame. All panels show the same
+/// area, so that pictures can be compared: all that is shown, and the lattice and the rig, but of
+/// these no more than the size of the rest on each side. Beside each group of rows with the same
+/// scale is its colour bar with numbers.
 Canvas draw_sheet(const SheetPage& page);
 
 }  // namespace fluidcarve

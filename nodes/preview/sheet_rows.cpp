@@ -1,8 +1,8 @@
 #include "nodes/preview/sheet_rows.h"
 
-#include "graph/text/words.h"
-#include "nodes/field/dense.h"
-#include "nodes/field/extent.h"
+#include "carve/base/words.h"
+#include "carve/field/dense.h"
+#include "carve/field/extent.h"
 #include "nodes/preview/difference.h"
 #include "nodes/preview/slice.h"
 
@@ -20,7 +20,8 @@ using Show = SheetWish::Show;
 /// Calls `body` with one or two grids cast to their type, FloatGrid or VectorGrid.
 template <class Body, class... Grids>
 Projection typed(const Body& body, const openvdb::GridBase& first, const Grids&... others) {
-    if (first.isType<FloatGrid>()) return body(static_cast<const FloatGrid&>(first), static_cast<const FloatGrid&>(others)...);
+    if (first.isType<FloatGrid>())
+        return body(static_cast<const FloatGrid&>(first), static_cast<const FloatGrid&>(others)...);
     return body(static_cast<const VectorGrid&>(first), static_cast<const VectorGrid&>(others)...);
 }
 
@@ -33,7 +34,8 @@ std::string size_text(const openvdb::CoordBBox& box) {
 std::string seams_text(const Seams& seams) {
     if (seams.warp) return fmt::format("a warp across {}", to_text(seams.axis));
     const bool removes = seams.kind == Seams::Kind::remove;
-    return fmt::format("{} {} across {}{}", counted(seams.seams.size(), "seam"), removes ? "removed" : "inserted", to_text(seams.axis),
+    return fmt::format("{} {} across {}{}", counted(seams.seams.size(), "seam"),
+                       removes ? "removed" : "inserted", to_text(seams.axis),
                        !seams.paired() ? ""
                        : removes       ? ", as many inserted above"
                                        : ", as many removed above");
@@ -41,19 +43,25 @@ std::string seams_text(const Seams& seams) {
 
 }  // namespace
 
-bool SheetRows::shows(Show how) const { return std::find(wish_.shows.begin(), wish_.shows.end(), how) != wish_.shows.end(); }
+bool SheetRows::shows(Show how) const {
+    return std::find(wish_.shows.begin(), wish_.shows.end(), how) != wish_.shows.end();
+}
 
 void SheetRows::plan(const Shown& frame) {
     using What = Kind::What;
     for (const auto how : wish_.shows) {
         kinds_.push_back({What::before, how});
         if (frame.data.after) kinds_.push_back({What::after, how});
-        if (frame.data.after && wish_.difference && how != Show::render) kinds_.push_back({What::difference, how});
+        if (frame.data.after && wish_.difference && how != Show::render)
+            kinds_.push_back({What::difference, how});
     }
     if (frame.data.energy) kinds_.push_back({What::energy, Show::slice});
     panels_.resize(kinds_.size());
-    axes_ = world_axes(*frame.space, frame.before.empty() ? openvdb::Vec3d(0) : frame.before.getCenter(), wish_.view);
-    face_ = frame.data.seams && seams_face(*frame.data.lattice, frame.data.seams->axis, *frame.space, wish_.view);
+    axes_ =
+        world_axes(*frame.space,
+                   frame.before.empty() ? openvdb::Vec3d(0) : frame.before.getCenter(), wish_.view);
+    face_ = frame.data.seams &&
+            seams_face(*frame.data.lattice, frame.data.seams->axis, *frame.space, wish_.view);
 }
 
 void SheetRows::add(SheetFrame data) {
@@ -68,7 +76,9 @@ void SheetRows::add(SheetFrame data) {
     if (!frame.before.empty()) active_.expand(frame.before);
     if (frames_.empty()) plan(frame);
     for (std::size_t row = 0; row < kinds_.size(); ++row)
-        panels_[row].push_back(kinds_[row].how == Show::slice ? SheetPanel() : panel(kinds_[row], frame, std::nullopt));
+        panels_[row].push_back(kinds_[row].how == Show::slice
+                                   ? SheetPanel()
+                                   : panel(kinds_[row], frame, std::nullopt));
     scenes_.expand(frame.data.before_scene.box());
     scenes_.expand(frame.data.after_scene.box());
     exposure_.meter(frame.data.before_scene);
@@ -103,11 +113,16 @@ void SheetRows::render(const std::function<void(double)>& progress) {
     for (std::size_t place = 0; place < frames_.size(); ++place)
         for (std::size_t row = 0; row < kinds_.size(); ++row) {
             if (kinds_[row].how != Show::render) continue;
-            if (progress) progress(static_cast<double>(place * kinds_.size() + row) / static_cast<double>(frames_.size() * kinds_.size()));
+            if (progress)
+                progress(static_cast<double>(place * kinds_.size() + row) /
+                         static_cast<double>(frames_.size() * kinds_.size()));
             auto& data = frames_[place].data;
-            auto& scene = kinds_[row].what == Kind::What::before ? data.before_scene : data.after_scene;
+            auto& scene =
+                kinds_[row].what == Kind::What::before ? data.before_scene : data.after_scene;
             if (scene.box().empty()) panels_[row][place].note = "no active voxels";
-            else panels_[row][place].render = fluidcarve::render(scene, wish_.view, scenes_, exposure_);
+            else
+                panels_[row][place].render =
+                    fluidcarve::render(scene, wish_.view, scenes_, exposure_);
             scene = {};
         }
 }
@@ -118,7 +133,9 @@ SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<
     const auto view = wish_.view;
     out.lattice = lattice;
     out.rig = rig;
-    const auto part = [&](const openvdb::CoordBBox& box) { return plane ? slice_of(box, view, *plane) : box; };
+    const auto part = [&](const openvdb::CoordBBox& box) {
+        return plane ? slice_of(box, view, *plane) : box;
+    };
     const auto show = [&](const openvdb::GridBase& grid, const openvdb::CoordBBox& active) {
         const auto box = part(active);
         // If the grid is shown in another way, too, that row states the size.
@@ -126,7 +143,9 @@ SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<
         if (!active.empty()) out.active = face_of(active, view);
         if (kind.how == Show::render) return;
         if (box.empty()) out.note = "no active voxels";
-        else out.projection = typed([&](const auto& each) { return maximum_projection(each, view, box); }, grid);
+        else
+            out.projection =
+                typed([&](const auto& each) { return maximum_projection(each, view, box); }, grid);
     };
     switch (kind.what) {
         case Kind::What::before: show(*data.before, before); break;
@@ -139,15 +158,22 @@ SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<
             if (!after.empty()) both.expand(after);
             const auto box = part(both);
             if (!box.empty())
-                out.projection = typed([&](const auto& a, const auto& b) { return largest_difference(a, b, view, box); }, *data.before, *data.after);
+                out.projection =
+                    typed([&](const auto& a,
+                              const auto& b) { return largest_difference(a, b, view, box); },
+                          *data.before, *data.after);
             const auto& values = out.projection.values;
-            if (std::none_of(values.begin(), values.end(), [](float value) { return value < 0 || value > 0; })) out.note = "no difference";
+            if (std::none_of(values.begin(), values.end(),
+                             [](float value) { return value < 0 || value > 0; }))
+                out.note = "no difference";
             break;
         }
         case Kind::What::energy:
             out.projection = slice_in(*data.energy, *space, view, *plane);
             if (out.projection.empty()) out.note = "no active voxels";
-            if (data.seams && wish_.seams && !face_) out.seams = seam_lines(*data.lattice, *data.seams, data.number, *space, view, *plane);
+            if (data.seams && wish_.seams && !face_)
+                out.seams =
+                    seam_lines(*data.lattice, *data.seams, data.number, *space, view, *plane);
             break;
     }
     return out;
@@ -161,21 +187,33 @@ std::string SheetRows::name_of(const Kind& kind) const {
         case Kind::What::energy: break;
     }
     const auto& seams = frames_.front().data.seams;
-    return !seams || !wish_.seams ? "energy" : seams->warp ? "warp over energy" : "seams over energy";
+    return !seams || !wish_.seams ? "energy"
+           : seams->warp          ? "warp over energy"
+                                  : "seams over energy";
 }
 
 std::string SheetRows::text_of(const Kind& kind, int plane) const {
     const char axis = "xyz"[static_cast<int>(wish_.view)];
     const auto slice = fmt::format("slice at {} = {}", axis, plane);
-    if (kind.how == Show::render) return fmt::format("lit, seen along {}{}", axis, wish_.exposure != 0 ? fmt::format(", exposure {:+g}", wish_.exposure) : "");
+    if (kind.how == Show::render)
+        return fmt::format(
+            "lit, seen along {}{}", axis,
+            wish_.exposure != 0 ? fmt::format(", exposure {:+g}", wish_.exposure) : "");
     const bool sliced = kind.how == Show::slice;
-    if (kind.what == Kind::What::difference) return sliced ? "after - before, " + slice : fmt::format("after - before, largest along {}", axis);
-    if (kind.what != Kind::What::energy) return sliced ? slice : fmt::format("maximum along {}", axis);
+    if (kind.what == Kind::What::difference)
+        return sliced ? "after - before, " + slice
+                      : fmt::format("after - before, largest along {}", axis);
+    if (kind.what != Kind::What::energy)
+        return sliced ? slice : fmt::format("maximum along {}", axis);
     if (!frames_.front().data.seams || !wish_.seams) return slice;
     if (face_) return slice + "; seams face this view, choose another axis";
     const auto& panels = panels_.back();
-    const bool crossed = std::any_of(panels.begin(), panels.end(), [](const SheetPanel& panel) { return !panel.seams.empty(); });
-    return crossed ? slice : slice + (frames_.front().data.seams->warp ? "; the warp moves nothing by a whole vertex there" : "; no seam crosses it");
+    const bool crossed = std::any_of(panels.begin(), panels.end(),
+                                     [](const SheetPanel& panel) { return !panel.seams.empty(); });
+    return crossed ? slice
+                   : slice + (frames_.front().data.seams->warp
+                                  ? "; the warp moves nothing by a whole vertex there"
+                                  : "; no seam crosses it");
 }
 
 SheetPage SheetRows::page(std::size_t total, const std::function<void(double)>& progress) {

@@ -21,9 +21,11 @@ struct SheetWish {
     bool lattice = false;                    ///< whether the lattice is drawn over all pictures
     bool rig = false;                        ///< the same for the rig
     bool seams = true;                       ///< whether seams are drawn over the energy
-    std::optional<int> slice;                ///< index coordinate along the view; nothing: the middle of `before` in all frames shown
+    std::optional<int> slice;  ///< index coordinate along the view; nothing: the middle of `before`
+                               ///< in all frames shown
     bool difference = true;
-    std::uint64_t budget = ~std::uint64_t{0};  ///< memory of what tiles become as voxels, bytes (grid_fits)
+    std::uint64_t budget =
+        ~std::uint64_t{0};  ///< memory of what tiles become as voxels, bytes (grid_fits)
 };
 
 /// The data of one frame. All grids but `before` may be null, but then in all frames.
@@ -31,25 +33,28 @@ struct SheetFrame {
     std::string name;                           ///< "frame 1001"
     int number = 0;                             ///< frame number
     openvdb::GridBase::ConstPtr before, after;  ///< both FloatGrid or both VectorGrid
-    Scene before_scene, after_scene;            ///< scenes of `before` and `after`, if they are rendered
+    Scene before_scene, after_scene;  ///< scenes of `before` and `after`, if they are rendered
     std::shared_ptr<const FloatGrid> energy;
     std::shared_ptr<const Lattice> lattice;  ///< set if there are seams, or it is drawn
     std::shared_ptr<const Rig> rig;          ///< set if it is drawn
     std::shared_ptr<const Seams> seams;
 };
 
-/// Makes the rows of a sheet, frame by frame: for each way to show them `before`, `after` and, unless they are rendered, their difference;
-/// then the seams over a slice of the energy. Grids are freed as soon as they are drawn. If the slice is in the
-/// middle, grids to slice are held until all frames are known. Grids to render are held too, since all frames share area and exposure.
+/// Makes the rows of a sheet, frame by frame: for each way to show them `before`, `after` and,
+/// unless they are rendered, their difference; then the seams over a slice of the energy. Grids are
+/// freed as soon as they are drawn. If the slice is in the middle, grids to slice are held until
+/// all frames are known. Grids to render are held too, since all frames share area and exposure.
 class SheetRows {
 public:
     explicit SheetRows(SheetWish wish) : wish_(std::move(wish)) {}
 
-    /// @throws Failure if seams belong to another lattice or do not hold the frame, or grids are too large to show
+    /// @throws Failure if seams belong to another lattice or do not hold the frame, or grids are
+    ///   too large to show
     void add(SheetFrame frame);
     /// The page of all added frames. To be called once, after at least one `add`.
     /// @param total     number of frames in the whole sequence
-    /// @param progress  called before each render with the finished part of all renders, 0 to 1; may throw to stop
+    /// @param progress  called before each render with the finished part of all renders, 0 to 1;
+    ///   may throw to stop
     SheetPage page(std::size_t total, const std::function<void(double)>& progress = {});
 
 private:
@@ -78,11 +83,11 @@ private:
     std::vector<Kind> kinds_;
     std::vector<Shown> frames_;
     std::vector<std::vector<SheetPanel>> panels_;  ///< `[row][frame]`
-    openvdb::CoordBBox active_;                    ///< box of the active voxels of `before` in all frames
-    openvdb::CoordBBox scenes_;                    ///< box of all scenes in all frames
-    Exposure exposure_;                            ///< metered on the scenes of `before`
-    std::array<SeenDirection, 3> axes_{};          ///< the world's axes in the first frame
-    bool face_ = false;                            ///< whether seams face the viewer
+    openvdb::CoordBBox active_;            ///< box of the active voxels of `before` in all frames
+    openvdb::CoordBBox scenes_;            ///< box of all scenes in all frames
+    Exposure exposure_;                    ///< metered on the scenes of `before`
+    std::array<SeenDirection, 3> axes_{};  ///< the world's axes in the first frame
+    bool face_ = false;                    ///< whether seams face the viewer
 };
 
 }  // namespace fluidcarve

@@ -4,7 +4,8 @@
 
 namespace fluidcarve {
 
-/// Whether a preview shows a frame: the first, the last, and others in even steps between; a single one is the middle frame.
+/// Whether a preview shows a frame: the first, the last, and others in even steps between; a single
+/// one is the middle frame.
 /// @param place   index of the frame in the sequence
 /// @param total   number of frames of the sequence
 /// @param wanted  number of frames to show, above 0

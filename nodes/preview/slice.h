@@ -13,6 +13,7 @@ openvdb::CoordBBox slice_of(const openvdb::CoordBBox& box, View view, int plane)
 /// @param plane  index coordinate along the view
 /// @param most   as in blank_projection
 /// @return empty if the plane meets no active voxel
-Projection slice_in(const FloatGrid& grid, const openvdb::math::Transform& space, View view, int plane, int most = 1024);
+Projection slice_in(const FloatGrid& grid, const openvdb::math::Transform& space, View view,
+                    int plane, int most = 1024);
 
 }  // namespace fluidcarve

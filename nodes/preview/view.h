@@ -6,8 +6,8 @@
 
 namespace fluidcarve {
 
-/// The axis of view. Right and up in the picture are: for x (seen from +x) y and z, for y (seen from -y) x and z, for z (seen from +z)
-/// x and y.
+/// The axis of view. Right and up in the picture are: for x (seen from +x) y and z, for y (seen
+/// from -y) x and z, for z (seen from +z) x and y.
 enum class View { x, y, z };
 
 /// Index axes of right and up in a picture.

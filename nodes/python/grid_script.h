@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/payloads.h"
+#include "carve/volume/volume.h"
 #include "nodes/python/python_script.h"
 
 #include <memory>
@@ -17,8 +17,9 @@ struct GridScriptParams : PythonParams {
     Auto<int> halo;
 };
 
-/// A node whose function takes grids and returns something for each voxel. A script may also have the functions `add`, which sees all frames in order, and
-/// `finish`, whose results are arguments of the function in each frame.
+/// A node whose function takes grids and returns something for each voxel. A script may also have
+/// the functions `add`, which sees all frames in order, and `finish`, whose results are arguments
+/// of the function in each frame.
 class GridScript {
 public:
     using Inputs = std::vector<std::pair<std::string, Ref<AnyGrid>>>;
@@ -31,11 +32,15 @@ public:
 
     /// Calls a function that returns a number for each voxel.
     /// @param least  smallest allowed result, or -infinity
-    /// @return a grid called like the function, with the voxels that are active in any input; 0 elsewhere
-    /// @throws Failure naming the script and the voxel, if a result is below `least` or not finite; else as SharedGrids and call_script
-    FloatGrid::Ptr numbers(const GridScriptParams& params, const std::string& function, float least, const Inputs& inputs, Context& context) const;
+    /// @return a grid called like the function, with the voxels that are active in any input; 0
+    ///   elsewhere
+    /// @throws Failure naming the script and the voxel, if a result is below `least` or not finite;
+    ///   else as SharedGrids and call_script
+    FloatGrid::Ptr numbers(const GridScriptParams& params, const std::string& function, float least,
+                           const Inputs& inputs, Context& context) const;
     /// Calls a function that returns true or false for each voxel. @throws as numbers
-    MaskGrid::Ptr states(const GridScriptParams& params, const std::string& function, const Inputs& inputs, Context& context) const;
+    MaskGrid::Ptr states(const GridScriptParams& params, const std::string& function,
+                         const Inputs& inputs, Context& context) const;
 
 private:
     std::unique_ptr<Worker> worker_;  ///< whose script sees all frames
@@ -45,10 +50,13 @@ private:
 /// Adds the parameters of such a node to a declaration.
 template <class Declaration>
 Declaration& declare_grid_script(Declaration& node) {
-    return declare_python(node).param("halo", &GridScriptParams::halo, Unit::voxels, between(0, 512),
-                                      "Calls the function for blocks of at most 64 x 64 x 64 voxels, each with all voxels that are so near to it, and takes of "
-                                      "its result only the block. So a "
-                                      "frame may be larger than memory holds as an array. The function must not look farther. Auto: the whole frame at once.");
+    return declare_python(node).param(
+        "halo", &GridScriptParams::halo, Unit::voxels, between(0, 512),
+        "Calls the function for blocks of at most 64 x 64 x 64 voxels, each with all voxels that "
+        "are so near to it, and takes of "
+        "its result only the block. So a "
+        "frame may be larger than memory holds as an array. The function must not look farther. "
+        "Auto: the whole frame at once.");
 }
 
 }  // namespace fluidcarve

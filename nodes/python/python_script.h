@@ -24,12 +24,15 @@ struct PythonParams {
     float timeout = 600;
 };
 
-/// Imports the script in a worker and reports what is wrong with it, and with its function's arguments.
+/// Imports the script in a worker and reports what is wrong with it, and with its function's
+/// arguments.
 /// @param function  that the node calls; its arguments are the node's inputs, `params` and `at`
 /// @param inputs    names of the arguments that are inputs
-void check_script(const PythonParams& params, const std::string& function, const std::vector<std::string>& inputs, NodeCheck& check);
+void check_script(const PythonParams& params, const std::string& function,
+                  const std::vector<std::string>& inputs, NodeCheck& check);
 
-/// The modules that the script imports from its own folder, and its VERSION. Of a script that can't be imported: nothing.
+/// The modules that the script imports from its own folder, and its VERSION. Of a script that can't
+/// be imported: nothing.
 Further script_depends(const PythonParams& params);
 
 /// Whether the script has a function `add`, which is to see all frames, as its check found.
@@ -42,28 +45,35 @@ std::unique_ptr<Worker> new_worker(const PythonParams& params, Context& context)
 /// @param give  writes inputs into the worker's memory, and returns what the request says of them
 /// @param take  reads the answer
 /// @throws Failure that names the place in the script @throws Cancelled
-void call_script(const PythonParams& params, const std::string& function, Context& context, const std::function<nlohmann::json(Worker&)>& give,
+void call_script(const PythonParams& params, const std::string& function, Context& context,
+                 const std::function<nlohmann::json(Worker&)>& give,
                  const std::function<void(Worker&, const nlohmann::json& answer)>& take);
 /// The same in a certain worker.
-void call_script(Worker& worker, const PythonParams& params, const std::string& function, Context& context, const std::function<nlohmann::json(Worker&)>& give,
+void call_script(Worker& worker, const PythonParams& params, const std::string& function,
+                 Context& context, const std::function<nlohmann::json(Worker&)>& give,
                  const std::function<void(Worker&, const nlohmann::json& answer)>& take);
 
-/// Adds what `finish` of the script found to a request, unless the worker has it. @param found  empty: nothing
+/// Adds what `finish` of the script found to a request, unless the worker has it.
+/// @param found  empty: nothing
 nlohmann::json with_found(Worker& worker, const std::string& found, nlohmann::json request);
 
 /// Adds the parameters of all nodes in Python to a declaration.
 template <class Declaration>
 Declaration& declare_python(Declaration& node) {
-    node.required(
-            "script", &PythonParams::script,
-            "The script, a file such as `glow.py`. It may import modules of its folder; if one of them changes, so does the result. What else it depends on, "
-            "such as a file of weights, it states as `VERSION = ...`.")
-        .param("params", &PythonParams::params, "Further arguments by name: `{gain: 3}`. Numbers, true, false, texts and lists of them.")
+    node.required("script", &PythonParams::script,
+                  "The script, a file such as `glow.py`. It may import modules of its folder; if "
+                  "one of them changes, so does the result. What else it depends on, "
+                  "such as a file of weights, it states as `VERSION = ...`.")
+        .param("params", &PythonParams::params,
+               "Further arguments by name: `{gain: 3}`. Numbers, true, false, texts and lists of "
+               "them.")
         .param("python", &PythonParams::python,
-               "The interpreter, Python 3.9 or newer with numpy: a path, or a name on PATH. Auto: that of the environment variable FLUIDCARVE_PYTHON, else "
+               "The interpreter, Python 3.9 or newer with numpy: a path, or a name on PATH. Auto: "
+               "that of the environment variable FLUIDCARVE_PYTHON, else "
                "`python3`.")
-        .param("timeout", &PythonParams::timeout, Unit::none, at_least(0.1),
-               "Seconds that a call may take. After that the script is stopped, and the frame fails.")
+        .param(
+            "timeout", &PythonParams::timeout, Unit::none, at_least(0.1),
+            "Seconds that a call may take. After that the script is stopped, and the frame fails.")
         .runs_code();
     return node;
 }

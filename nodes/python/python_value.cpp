@@ -11,7 +11,8 @@ namespace {
 nlohmann::json json_of(const std::string& text) {
     if (text == "true" || text == "false") return text == "true";
     std::int64_t whole = 0;
-    if (const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), whole); error == std::errc{} && end == text.data() + text.size())
+    if (const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), whole);
+        error == std::errc{} && end == text.data() + text.size())
         return whole;
     if (const auto number = parse_number(text)) return *number;
     return text;
@@ -27,16 +28,20 @@ nlohmann::json PythonValue::json() const {
 }
 
 Shape ParamTraits<PythonValue>::shape() {
-    const Shape number{Shape::Kind::number, {}, {}}, truth{Shape::Kind::boolean, {}, {}}, text{Shape::Kind::text, {}, {}};
+    const Shape number{Shape::Kind::number, {}, {}}, truth{Shape::Kind::boolean, {}, {}},
+        text{Shape::Kind::text, {}, {}};
     return {Shape::Kind::any_of, {}, {number, truth, text, {Shape::Kind::list, {}, {text}}}};
 }
 
-std::optional<PythonValue> ParamTraits<PythonValue>::parse(const Value& value, ValueReader& reader) {
+std::optional<PythonValue> ParamTraits<PythonValue>::parse(const Value& value,
+                                                           ValueReader& reader) {
     if (value.kind == Value::Kind::scalar) return PythonValue{false, {value.text}};
-    if (value.kind != Value::Kind::list) return reader.unwanted(value, to_text(shape())), std::nullopt;
+    if (value.kind != Value::Kind::list)
+        return reader.unwanted(value, to_text(shape())), std::nullopt;
     PythonValue out{true, {}};
     for (const auto& item : value.items) {
-        if (item.kind != Value::Kind::scalar) return reader.unwanted(item, "a number, or a text"), std::nullopt;
+        if (item.kind != Value::Kind::scalar)
+            return reader.unwanted(item, "a number, or a text"), std::nullopt;
         out.items.push_back(item.text);
     }
     return out;

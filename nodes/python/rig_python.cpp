@@ -1,11 +1,11 @@
 #include "nodes/python/rig_python.h"
 
+#include "carve/rig/rig.h"
+#include "carve/volume/volume.h"
 #include "graph/types/context.h"
 #include "graph/types/node_check.h"
-#include "nodes/payloads.h"
 #include "nodes/python/grid_script.h"
 #include "nodes/python/shared_grids.h"
-#include "nodes/rig/rig.h"
 
 #include <fmt/format.h>
 
@@ -27,7 +27,8 @@ struct RigPython {
 
     static bool animates(const Params& params) { return params.animate; }
     static void check(const Params& params, NodeCheck& check) {
-        if (openvdb::Vec3d(params.up.data()).length() == 0) check.fault("up", "'up' has no direction");
+        if (openvdb::Vec3d(params.up.data()).length() == 0)
+            check.fault("up", "'up' has no direction");
         check_script(params, "rig", check.names("inputs"), check);
     }
     static Further depends(const Params& params) { return script_depends(params); }
@@ -46,10 +47,13 @@ struct RigPython {
             },
             [&](Worker& worker, const Json& answer) {
                 const auto count = answer.at("count").get<std::size_t>();
-                const auto* const at = reinterpret_cast<const double*>(worker.answered.seen(count * 3 * sizeof(double)));
-                for (std::size_t n = 0; n < count; ++n) rig.points.emplace_back(at[3 * n], at[3 * n + 1], at[3 * n + 2]);
+                const auto* const at = reinterpret_cast<const double*>(
+                    worker.answered.seen(count * 3 * sizeof(double)));
+                for (std::size_t n = 0; n < count; ++n)
+                    rig.points.emplace_back(at[3 * n], at[3 * n + 1], at[3 * n + 2]);
             });
-        if (const auto fault = rig_fault(rig); !fault.empty()) throw Failure(fmt::format("{}: rig returned no path: {}", params.script.at(0), fault));
+        if (const auto fault = rig_fault(rig); !fault.empty())
+            throw Failure(fmt::format("{}: rig returned no path: {}", params.script.at(0), fault));
         io.rig = std::make_shared<Rig>(std::move(rig));
     }
 };
@@ -58,12 +62,17 @@ struct RigPython {
 
 NodeType rig_python() {
     Declare<RigPython> node("rig.python",
-                            "A rig through points that your own function in Python returns, `rig(..., at)`: an array (n, 3) in the world, in order.");
+                            "A rig through points that your own function in Python returns, "
+                            "`rig(..., at)`: an array (n, 3) in the world, in order.");
     node.input("inputs", &RigPython::Ports::inputs, python_inputs_doc);
     return declare_python(node)
-        .param("animate", &RigPython::Params::animate, "Whether there is a rig for each frame, though no input changes: the function then looks at `at.frame`.")
-        .param("closed", &RigPython::Params::closed, "Whether the rig returns from its last point to its first.")
-        .param("up", &RigPython::Params::up, Unit::none, any_number(), "Direction of the lattice's `v` at the first point; made orthogonal to the path.")
+        .param("animate", &RigPython::Params::animate,
+               "Whether there is a rig for each frame, though no input changes: the function then "
+               "looks at `at.frame`.")
+        .param("closed", &RigPython::Params::closed,
+               "Whether the rig returns from its last point to its first.")
+        .param("up", &RigPython::Params::up, Unit::none, any_number(),
+               "Direction of the lattice's `v` at the first point; made orthogonal to the path.")
         .output("rig", &RigPython::Ports::rig, "The rig.");
 }
 

@@ -1,10 +1,10 @@
 #include "nodes/python/seam_python.h"
 
+#include "carve/field/dense.h"
 #include "graph/types/context.h"
 #include "graph/types/node_check.h"
-#include "nodes/field/dense.h"
 #include "nodes/python/python_script.h"
-#include "nodes/seam/solver.h"
+#include "nodes/solving/solver.h"
 
 #include <fmt/format.h>
 
@@ -27,7 +27,8 @@ void write_costs(const EnergyVolume& energy, Window window, float* to) {
     for (std::size_t t = 0; t < energy.frames(); ++t)
         for (std::size_t column = 0; column < energy.columns_per_frame(); ++column) {
             const auto* const entries = energy.cells<Cell>(t) + column * energy.stride();
-            to = std::transform(entries + window.first, entries + window.last + 1, to, [&](Cell cell) { return costs(cell); });
+            to = std::transform(entries + window.first, entries + window.last + 1, to,
+                                [&](Cell cell) { return costs(cell); });
         }
 }
 
@@ -36,26 +37,33 @@ std::string place_text(const Columns& columns, std::size_t column) {
     return fmt::format("[{}, {}, {}]", at.t, at.k, at.lateral);
 }
 
-/// What is wrong with a seam: an entry beside the window or protected, or neighbours that differ by more than 1. Empty: nothing.
-std::string fault_of_seam(const std::vector<std::uint16_t>& at, const float* costs, Window window, const Columns& columns) {
+/// What is wrong with a seam: an entry beside the window or protected, or neighbours that differ by
+/// more than 1. Empty: nothing.
+std::string fault_of_seam(const std::vector<std::uint16_t>& at, const float* costs, Window window,
+                          const Columns& columns) {
     const auto width = static_cast<std::size_t>(window.size());
     for (std::size_t n = 0; n < at.size(); ++n) {
         const auto entry = at[n] - window.first;
         if (std::isinf(costs[n * width + static_cast<std::size_t>(entry)]))
-            return fmt::format("entry {} at {} is protected: its energy is inf", entry, place_text(columns, n));
+            return fmt::format("entry {} at {} is protected: its energy is inf", entry,
+                               place_text(columns, n));
         for (const auto beside : columns.around(n, columns.place(n)))
             if (beside != Columns::none && std::abs(at[n] - at[beside]) > 1)
-                return fmt::format("entries {} and {} at the neighbours {} and {} differ by more than 1", entry, at[beside] - window.first,
-                                   place_text(columns, n), place_text(columns, beside));
+                return fmt::format(
+                    "entries {} and {} at the neighbours {} and {} differ by more than 1", entry,
+                    at[beside] - window.first, place_text(columns, n), place_text(columns, beside));
     }
     return {};
 }
 
-Seams::Seam seam_of_script(const PythonParams& params, const EnergyVolume& energy, Window window, Context& context) {
+Seams::Seam seam_of_script(const PythonParams& params, const EnergyVolume& energy, Window window,
+                           Context& context) {
     const Columns columns(energy);
     const auto width = static_cast<std::size_t>(window.size()), entries = columns.count() * width;
     if (!grid_fits(static_cast<double>(entries * sizeof(float)), context.memory_budget()))
-        throw Failure(fmt::format("the energy has {} entries, more than --memory allows; raise it, or state `finest: 2`", entries));
+        throw Failure(fmt::format(
+            "the energy has {} entries, more than --memory allows; raise it, or state `finest: 2`",
+            entries));
     std::vector<std::uint16_t> at(columns.count());
     std::string fault;
     call_script(
@@ -64,20 +72,31 @@ Seams::Seam seam_of_script(const PythonParams& params, const EnergyVolume& energ
             auto* const to = reinterpret_cast<float*>(worker.given.grown(entries * sizeof(float)));
             if (energy.summed()) write_costs<float>(energy, window, to);
             else write_costs<std::uint16_t>(energy, window, to);
-            return Json{{"wants", "entries"},
-                        {"bytes", worker.given.size()},
-                        {"arrays", {{"energy", {{"at", 0}, {"type", "float32"}, {"shape", {columns.frames(), columns.slices(), columns.laterals(), width}}}}}}};
+            return Json{
+                {"wants", "entries"},
+                {"bytes", worker.given.size()},
+                {"arrays",
+                 {{"energy",
+                   {{"at", 0},
+                    {"type", "float32"},
+                    {"shape", {columns.frames(), columns.slices(), columns.laterals(), width}}}}}}};
         },
         [&](Worker& worker, const Json&) {
-            const auto* const found = reinterpret_cast<const std::int32_t*>(worker.answered.seen(at.size() * sizeof(std::int32_t)));
+            const auto* const found = reinterpret_cast<const std::int32_t*>(
+                worker.answered.seen(at.size() * sizeof(std::int32_t)));
             for (std::size_t n = 0; n < at.size() && fault.empty(); ++n) {
                 if (found[n] < 0 || found[n] >= window.size())
-                    fault = fmt::format("entry {} at {} is not from 0 to {}", found[n], place_text(columns, n), window.size() - 1);
+                    fault = fmt::format("entry {} at {} is not from 0 to {}", found[n],
+                                        place_text(columns, n), window.size() - 1);
                 at[n] = static_cast<std::uint16_t>(found[n] + window.first);
             }
-            if (fault.empty()) fault = fault_of_seam(at, reinterpret_cast<const float*>(worker.given.grown(0)), window, columns);
+            if (fault.empty())
+                fault = fault_of_seam(at, reinterpret_cast<const float*>(worker.given.grown(0)),
+                                      window, columns);
         });
-    if (!fault.empty()) throw Failure(fmt::format("{}: seam returned entries [t, k, j] that are no seam: {}", params.script.at(0), fault));
+    if (!fault.empty())
+        throw Failure(fmt::format("{}: seam returned entries [t, k, j] that are no seam: {}",
+                                  params.script.at(0), fault));
     const auto sum = energy_of(energy, at);
     return {std::move(at), sum};
 }
@@ -91,10 +110,11 @@ struct SeamPython : SeamNode {
     }
     static Further depends(const Params& params) { return script_depends(params); }
     void finish(const Params& params, Ports& io, Context& context) {
-        solve(params, io, context, [&](const EnergyVolume& energy, Window window, int, const Tick& tick) {
-            tick(0);
-            return seam_of_script(params, energy, window, context);
-        });
+        solve(params, io, context,
+              [&](const EnergyVolume& energy, Window window, int, const Tick& tick) {
+                  tick(0);
+                  return seam_of_script(params, energy, window, context);
+              });
     }
 };
 
@@ -103,9 +123,11 @@ struct SeamPython : SeamNode {
 NodeType seam_python() {
     Declare<SeamPython> node(
         "seam.python",
-        "Finds seams by your own function in Python, `seam(energy, at)`. It is called once for each seam, with what each entry costs, an array [t, k, j, "
+        "Finds seams by your own function in Python, `seam(energy, at)`. It is called once for "
+        "each seam, with what each entry costs, an array [t, k, j, "
         "entry]: "
-        "inf is protected, below 0 attracted. It returns the seam's entries, whole numbers [t, k, j], which may differ by at most 1 between neighbours.");
+        "inf is protected, below 0 attracted. It returns the seam's entries, whole numbers [t, k, "
+        "j], which may differ by at most 1 between neighbours.");
     return declare_python(declare_solver(node));
 }
 

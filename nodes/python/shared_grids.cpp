@@ -1,9 +1,9 @@
 #include "nodes/python/shared_grids.h"
 
-#include "graph/text/words.h"
-#include "nodes/field/collocate.h"
-#include "nodes/field/dense.h"
-#include "nodes/field/same_transform.h"
+#include "carve/base/words.h"
+#include "carve/field/collocate.h"
+#include "carve/field/dense.h"
+#include "carve/field/same_transform.h"
 
 #include <fmt/format.h>
 #include <openvdb/tree/LeafManager.h>
@@ -37,14 +37,18 @@ std::uint64_t reserved(std::uint64_t& at, std::uint64_t bytes) {
     return out;
 }
 
-openvdb::GridBase::ConstPtr shareable(const std::string& name, const openvdb::GridBase::ConstPtr& grid, std::uint64_t budget) {
+openvdb::GridBase::ConstPtr shareable(const std::string& name,
+                                      const openvdb::GridBase::ConstPtr& grid,
+                                      std::uint64_t budget) {
     if (const auto vectors = openvdb::gridConstPtrCast<VectorGrid>(grid)) {
         require_collocation_fits(*vectors, budget);
         return collocated(vectors);
     }
     if (!grid->isType<FloatGrid>() && !grid->isType<MaskGrid>())
-        throw Failure(fmt::format("input '{}' is the grid '{}' of type {}; scripts take numbers (float), vectors (vec3s) and masks", name, grid->getName(),
-                                  grid->valueType()));
+        throw Failure(
+            fmt::format("input '{}' is the grid '{}' of type {}; scripts take numbers (float), "
+                        "vectors (vec3s) and masks",
+                        name, grid->getName(), grid->valueType()));
     return grid;
 }
 
@@ -60,14 +64,17 @@ Coord block_of(const Coord& at) { return at & ~(block_edge - 1); }
 
 /// Bytes of the values in a leaf; a mask has states alone.
 std::uint64_t value_bytes(const openvdb::GridBase& grid) {
-    return grid.isType<FloatGrid>() ? leaf_voxels * sizeof(float) : grid.isType<VectorGrid>() ? leaf_voxels * sizeof(openvdb::Vec3s) : 0;
+    return grid.isType<FloatGrid>()    ? leaf_voxels * sizeof(float)
+           : grid.isType<VectorGrid>() ? leaf_voxels * sizeof(openvdb::Vec3s)
+                                       : 0;
 }
 
 Json json_of(const Coord& at) { return {at.x(), at.y(), at.z()}; }
 Json json_of(float value) { return value; }
 Json json_of(const openvdb::Vec3s& value) { return {value[0], value[1], value[2]}; }
 
-/// Tiles that are inactive and not background, such as the inside of a level set: [x, y, z, edge, value] each.
+/// Tiles that are inactive and not background, such as the inside of a level set: [x, y, z, edge,
+/// value] each.
 template <class Grid>
 Json tiles_of(const Grid& grid) {
     auto out = Json::array();
@@ -103,20 +110,27 @@ void copy_states(const MaskLeaf::NodeMaskType& mask, std::byte* to) {
 
 MaskLeaf::NodeMaskType states_at(const std::byte* from) {
     MaskLeaf::NodeMaskType out;
-    for (openvdb::Index n = 0; n < leaf_words; ++n) std::memcpy(&out.getWord<StateWord>(n), from + n * sizeof(StateWord), sizeof(StateWord));
+    for (openvdb::Index n = 0; n < leaf_words; ++n)
+        std::memcpy(&out.getWord<StateWord>(n), from + n * sizeof(StateWord), sizeof(StateWord));
     return out;
 }
 
 }  // namespace
 
-SharedGrids::SharedGrids(const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs, std::uint64_t budget) : budget_(budget) {
+SharedGrids::SharedGrids(const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
+                         std::uint64_t budget)
+    : budget_(budget) {
     for (const auto& [name, any] : inputs) {
         auto grid = shareable(name, any->grid, budget);
-        if (!grids_.empty()) require_same_transform(fmt::format("inputs '{}' and '{}'", grids_.front().first, name), *grids_.front().second, *grid);
+        if (!grids_.empty())
+            require_same_transform(fmt::format("inputs '{}' and '{}'", grids_.front().first, name),
+                                   *grids_.front().second, *grid);
         require_dense_fits(*grid, static_cast<double>(sizeof(float)), budget);
         as_its_type(*grid, [&](const auto& typed) {
             if (voxels_) voxels_->topologyUnion(typed.tree());
-            else voxels_ = std::make_shared<openvdb::MaskTree>(typed.tree(), false, true, openvdb::TopologyCopy());
+            else
+                voxels_ = std::make_shared<openvdb::MaskTree>(typed.tree(), false, true,
+                                                              openvdb::TopologyCopy());
         });
         grids_.emplace_back(name, std::move(grid));
     }
@@ -125,7 +139,9 @@ SharedGrids::SharedGrids(const std::vector<std::pair<std::string, Ref<AnyGrid>>>
     if (!voxels_->evalActiveVoxelBoundingBox(box_)) box_ = {Coord(0), Coord(-1)};
 }
 
-bool SharedGrids::Part::wants(const Coord& origin) const { return !block || block_of(origin) == *block; }
+bool SharedGrids::Part::wants(const Coord& origin) const {
+    return !block || block_of(origin) == *block;
+}
 
 std::vector<SharedGrids::Part> SharedGrids::parts(std::optional<int> halo) const {
     if (!halo) {
@@ -135,10 +151,12 @@ std::vector<SharedGrids::Part> SharedGrids::parts(std::optional<int> halo) const
     }
     std::map<Coord, openvdb::CoordBBox> blocks;
     for (const auto* const leaf : leaves_)
-        if (!leaf->isValueMaskOff()) blocks[block_of(leaf->origin())].expand(leaf->getNodeBoundingBox());
+        if (!leaf->isValueMaskOff())
+            blocks[block_of(leaf->origin())].expand(leaf->getNodeBoundingBox());
     // Which leaves are near a block: those of the blocks around it, as far as the halo reaches.
     std::map<Coord, std::vector<std::size_t>> leaves;
-    for (std::size_t n = 0; n < leaves_.size(); ++n) leaves[block_of(leaves_[n]->origin())].push_back(n);
+    for (std::size_t n = 0; n < leaves_.size(); ++n)
+        leaves[block_of(leaves_[n]->origin())].push_back(n);
     std::vector<Part> out;
     for (const auto& [origin, core] : blocks) {
         auto box = core;
@@ -151,7 +169,8 @@ std::vector<SharedGrids::Part> SharedGrids::parts(std::optional<int> halo) const
                 for (int z = low.z(); z <= high.z(); z += block_edge)
                     if (const auto found = leaves.find({x, y, z}); found != leaves.end())
                         for (const auto n : found->second)
-                            if (leaves_[n]->getNodeBoundingBox().hasOverlap(box)) part.leaves.push_back(n);
+                            if (leaves_[n]->getNodeBoundingBox().hasOverlap(box))
+                                part.leaves.push_back(n);
         std::ranges::sort(part.leaves);
         out.push_back(std::move(part));
     }
@@ -159,7 +178,8 @@ std::vector<SharedGrids::Part> SharedGrids::parts(std::optional<int> halo) const
 }
 
 std::uint64_t SharedGrids::bytes(std::size_t leaves) const {
-    auto out = leaves * (sizeof(std::array<std::int32_t, 3>) + leaf_states) + alignment * (2 + 2 * grids_.size());
+    auto out = leaves * (sizeof(std::array<std::int32_t, 3>) + leaf_states) +
+               alignment * (2 + 2 * grids_.size());
     for (const auto& [name, grid] : grids_) out += leaves * (value_bytes(*grid) + leaf_states);
     return out;
 }
@@ -167,15 +187,18 @@ std::uint64_t SharedGrids::bytes(std::size_t leaves) const {
 Json SharedGrids::write(Worker& worker, const Part& part) const {
     const auto count = part.leaves.size();
     if (!grid_fits(static_cast<double>(bytes(count)), budget_))
-        throw Failure(fmt::format("the inputs take {} as arrays, but --memory allows {}: state a `halo`, crop the grids, or raise --memory",
+        throw Failure(fmt::format("the inputs take {} as arrays, but --memory allows {}: state a "
+                                  "`halo`, crop the grids, or raise --memory",
                                   size_text(bytes(count)), size_text(budget_)),
                       Failure::Kind::input);
     auto* const data = worker.given.grown(bytes(count));
     std::uint64_t at = 0, voxels = 0;
-    const auto origins = reserved(at, count * sizeof(std::array<std::int32_t, 3>)), states = reserved(at, count * leaf_states);
+    const auto origins = reserved(at, count * sizeof(std::array<std::int32_t, 3>)),
+               states = reserved(at, count * leaf_states);
     for (std::size_t n = 0; n < count; ++n) {
         const auto& leaf = *leaves_[part.leaves[n]];
-        const std::array<std::int32_t, 3> place{leaf.origin().x(), leaf.origin().y(), leaf.origin().z()};
+        const std::array<std::int32_t, 3> place{leaf.origin().x(), leaf.origin().y(),
+                                                leaf.origin().z()};
         std::memcpy(data + origins + n * sizeof place, &place, sizeof place);
         copy_states(leaf.valueMask(), data + states + n * leaf_states);
         voxels += leaf.onVoxelCount();
@@ -192,10 +215,15 @@ Json SharedGrids::write(Worker& worker, const Part& part) const {
             {"grids", std::move(grids)}};
 }
 
-Json SharedGrids::write_grid(const openvdb::GridBase& grid, const Part& part, std::byte* data, std::uint64_t& at) const {
+Json SharedGrids::write_grid(const openvdb::GridBase& grid, const Part& part, std::byte* data,
+                             std::uint64_t& at) const {
     const auto count = part.leaves.size();
-    const auto values = reserved(at, count * value_bytes(grid)), states = reserved(at, count * leaf_states);
-    Json out{{"name", grid.getName()}, {"values", values}, {"states", states}, {"class", openvdb::GridBase::gridClassToString(grid.getGridClass())}};
+    const auto values = reserved(at, count * value_bytes(grid)),
+               states = reserved(at, count * leaf_states);
+    Json out{{"name", grid.getName()},
+             {"values", values},
+             {"states", states},
+             {"class", openvdb::GridBase::gridClassToString(grid.getGridClass())}};
     as_its_type(grid, [&](const auto& typed) {
         using Grid = std::decay_t<decltype(typed)>;
         using Value = typename Grid::ValueType;
@@ -226,7 +254,8 @@ Json SharedGrids::write_grid(const openvdb::GridBase& grid, const Part& part, st
     return out;
 }
 
-SharedGrids::Numbers::Numbers(const SharedGrids& grids, float least) : grid(FloatGrid::create()), grids_(grids), least_(least) {
+SharedGrids::Numbers::Numbers(const SharedGrids& grids, float least)
+    : grid(FloatGrid::create()), grids_(grids), least_(least) {
     grid->setTransform(grids.transform().copy());
 }
 
@@ -235,15 +264,18 @@ void SharedGrids::Numbers::take(Worker& worker, const Part& part) {
     constexpr auto most = std::numeric_limits<float>::max();
     const auto from = std::max(least_, -most);
     const auto count = part.leaves.size();
-    const auto* const data = reinterpret_cast<const float*>(worker.answered.seen(count * leaf_voxels * sizeof(float)));
-    // Leaves are filled before they join the tree: a copy of the topology would fill them with its background first.
+    const auto* const data =
+        reinterpret_cast<const float*>(worker.answered.seen(count * leaf_voxels * sizeof(float)));
+    // Leaves are filled before they join the tree: a copy of the topology would fill them with its
+    // background first.
     std::vector<std::unique_ptr<FloatLeaf>> made(count);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const auto& range) {
         for (auto n = range.begin(); n != range.end(); ++n) {
             const auto& like = *grids_.leaves_[part.leaves[n]];
             if (!part.wants(like.origin())) continue;
             const auto& mask = like.valueMask();
-            made[n] = std::make_unique<FloatLeaf>(openvdb::PartialCreate(), like.origin(), 0.0f, false);
+            made[n] =
+                std::make_unique<FloatLeaf>(openvdb::PartialCreate(), like.origin(), 0.0f, false);
             made[n]->allocate();
             made[n]->setValueMask(mask);
             auto* const to = made[n]->buffer().data();
@@ -251,9 +283,11 @@ void SharedGrids::Numbers::take(Worker& worker, const Part& part) {
             for (auto off = mask.beginOff(); off; ++off) to[off.pos()] = 0;
             bool wrong = false;
             if (mask.isOn()) {
-                for (std::size_t voxel = 0; voxel < leaf_voxels; ++voxel) wrong |= !(to[voxel] >= from && to[voxel] <= most);
+                for (std::size_t voxel = 0; voxel < leaf_voxels; ++voxel)
+                    wrong |= !(to[voxel] >= from && to[voxel] <= most);
             } else {
-                for (auto on = mask.beginOn(); on; ++on) wrong |= !(to[on.pos()] >= from && to[on.pos()] <= most);
+                for (auto on = mask.beginOn(); on; ++on)
+                    wrong |= !(to[on.pos()] >= from && to[on.pos()] <= most);
             }
             if (wrong) good = false;
         }
@@ -262,9 +296,11 @@ void SharedGrids::Numbers::take(Worker& worker, const Part& part) {
         if (leaf) grid->tree().addLeaf(leaf.release());
 }
 
-void SharedGrids::add_states(MaskGrid& mask, Worker& worker, std::uint64_t leaves, const Part& part) const {
+void SharedGrids::add_states(MaskGrid& mask, Worker& worker, std::uint64_t leaves,
+                             const Part& part) const {
     const auto origins = leaves * leaf_states;
-    const auto* const data = worker.answered.seen(origins + leaves * sizeof(std::array<std::int32_t, 3>));
+    const auto* const data =
+        worker.answered.seen(origins + leaves * sizeof(std::array<std::int32_t, 3>));
     for (std::uint64_t n = 0; n < leaves; ++n) {
         std::array<std::int32_t, 3> place{};
         std::memcpy(&place, data + origins + n * sizeof place, sizeof place);

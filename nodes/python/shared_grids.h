@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/payloads.h"
+#include "carve/volume/volume.h"
 #include "nodes/python/worker.h"
 
 #include <atomic>
@@ -13,24 +13,29 @@
 
 namespace fluidcarve {
 
-/// Grids of one frame as a script sees them: leaves of 8 x 8 x 8 voxels that all of them share, with all voxels that are active in any of them. Active tiles
-/// become voxels; a mask is 1 and 0, a staggered vector grid is collocated.
+/// Grids of one frame as a script sees them: leaves of 8 x 8 x 8 voxels that all of them share,
+/// with all voxels that are active in any of them. Active tiles become voxels; a mask is 1 and 0, a
+/// staggered vector grid is collocated.
 class SharedGrids {
 public:
     /// @param inputs  one or more, by name: float, vector or mask, all with the same transform
     /// @param budget  limit of what they take, and of what a part of them takes; bytes
-    /// @throws Failure naming an input of another type, two inputs with different transforms, or one that is too large
-    SharedGrids(const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs, std::uint64_t budget);
+    /// @throws Failure naming an input of another type, two inputs with different transforms, or
+    ///   one that is too large
+    SharedGrids(const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
+                std::uint64_t budget);
 
     /// Leaves that a script gets at once.
     struct Part {
-        std::vector<std::size_t> leaves;      ///< indices, rising; those of neighbours, too
-        openvdb::CoordBBox box;               ///< of voxels, neighbours included
-        std::optional<openvdb::Coord> block;  ///< the lowest voxel of the block whose results are wanted; nothing: all are
+        std::vector<std::size_t> leaves;  ///< indices, rising; those of neighbours, too
+        openvdb::CoordBBox box;           ///< of voxels, neighbours included
+        std::optional<openvdb::Coord>
+            block;  ///< the lowest voxel of the block whose results are wanted; nothing: all are
         /// Whether results of a leaf are wanted. @param origin  of the leaf
         bool wants(const openvdb::Coord& origin) const;
     };
-    /// All leaves as one part; or, with a halo, parts of at most 64 x 64 x 64 voxels, each with the voxels that are so near to it.
+    /// All leaves as one part; or, with a halo, parts of at most 64 x 64 x 64 voxels, each with the
+    /// voxels that are so near to it.
     /// @param halo  voxels; nothing: one part
     std::vector<Part> parts(std::optional<int> halo) const;
 
@@ -38,7 +43,8 @@ public:
     /// @throws Failure if they take more than the budget
     nlohmann::json write(Worker& worker, const Part& part) const;
 
-    /// Makes a grid of the numbers that a worker leaves, one for each voxel of a part's leaves: it has the active voxels of all inputs, and is 0 elsewhere.
+    /// Makes a grid of the numbers that a worker leaves, one for each voxel of a part's leaves: it
+    /// has the active voxels of all inputs, and is 0 elsewhere.
     class Numbers {
     public:
         /// @param least  smallest allowed number, or -infinity
@@ -58,7 +64,8 @@ public:
     const openvdb::math::Transform& transform() const { return grids_.front().second->transform(); }
 
 private:
-    nlohmann::json write_grid(const openvdb::GridBase& grid, const Part& part, std::byte* data, std::uint64_t& at) const;
+    nlohmann::json write_grid(const openvdb::GridBase& grid, const Part& part, std::byte* data,
+                              std::uint64_t& at) const;
     /// Bytes that so many leaves take.
     std::uint64_t bytes(std::size_t leaves) const;
 

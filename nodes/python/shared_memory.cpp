@@ -1,14 +1,14 @@
 #include "nodes/python/shared_memory.h"
 
-#include "graph/text/problem.h"
-#include "graph/text/words.h"
+#include "carve/base/failure.h"
+#include "carve/base/words.h"
+
+#include <fmt/format.h>
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 
@@ -19,7 +19,8 @@ namespace {
 constexpr std::uint64_t memory_step = std::uint64_t{4} << 20;
 
 [[noreturn]] void refuse_memory(std::uint64_t bytes) {
-    throw Failure(fmt::format("the system gives no {} of shared memory: {}", size_text(bytes), std::strerror(errno)));
+    throw Failure(fmt::format("the system gives no {} of shared memory: {}", size_text(bytes),
+                              std::strerror(errno)));
 }
 
 }  // namespace
@@ -54,7 +55,8 @@ std::byte* SharedMemory::grown(std::uint64_t bytes) {
 
 const std::byte* SharedMemory::seen(std::uint64_t bytes) {
     struct stat now {};
-    if (fstat(file_, &now) != 0 || static_cast<std::uint64_t>(now.st_size) < bytes) throw Failure("the worker handed over less than it said");
+    if (fstat(file_, &now) != 0 || static_cast<std::uint64_t>(now.st_size) < bytes)
+        throw Failure("the worker handed over less than it said");
     if (bytes > size_ || !data_) map(static_cast<std::uint64_t>(now.st_size));
     return data_;
 }

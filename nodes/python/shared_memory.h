@@ -5,7 +5,8 @@
 
 namespace fluidcarve {
 
-/// Memory that another process sees, too. It has no name, and goes with the last process that holds it. It grows, and never shrinks.
+/// Memory that another process sees, too. It has no name, and goes with the last process that holds
+/// it. It grows, and never shrinks.
 class SharedMemory {
 public:
     /// @throws Failure if the system gives none

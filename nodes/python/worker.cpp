@@ -1,11 +1,12 @@
 #include "nodes/python/worker.h"
 
-#include "graph/text/problem.h"
-#include "graph/text/words.h"
-#include "graph/types/module.h"
+#include "carve/base/failure.h"
+#include "carve/base/words.h"
+#include "formats/file/module.h"
+
+#include <fmt/format.h>
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
@@ -13,7 +14,6 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -29,24 +29,29 @@ namespace {
 using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-/// What the process runs first. It finds the package by its first argument, never in the current folder.
+/// What the process runs first. It finds the package by its first argument, never in the current
+/// folder.
 constexpr auto start_text =
     "import sys\n"
     "sys.path[:] = [sys.argv[1]] + [each for each in sys.path if each]\n"
-    "if sys.version_info < (3, 9): sys.exit('fluidcarve needs Python 3.9 or newer; this is ' + sys.version.split()[0])\n"
+    "if sys.version_info < (3, 9): sys.exit('fluidcarve needs Python 3.9 or newer; this is ' + "
+    "sys.version.split()[0])\n"
     "from fluidcarve.worker import main\n"
     "main()\n";
 
 /// The process's descriptors, in this order from 3 on.
 constexpr int first_descriptor = 3;
 constexpr std::size_t most_printed = 1000, most_log = std::size_t{1} << 20;
-/// The process ends itself when its time is over, and tells where it was. Only if it can't, this program ends it so many seconds later.
+/// The process ends itself when its time is over, and tells where it was. Only if it can't, this
+/// program ends it so many seconds later.
 constexpr double grace = 2;
 constexpr int pause_ms = 50, most_going_ms = 2000;
 
-/// What the process's environment says beside that of this program, unless that says it: glibc keeps the memory of arrays for those of the next frame. Fresh
-/// memory from the system takes twice as long to compute in.
-constexpr std::array<std::pair<const char*, const char*>, 2> memory_settings{{{"MALLOC_MMAP_MAX_", "0"}, {"MALLOC_TRIM_THRESHOLD_", "4611686018427387904"}}};
+/// What the process's environment says beside that of this program, unless that says it: glibc
+/// keeps the memory of arrays for those of the next frame. Fresh memory from the system takes twice
+/// as long to compute in.
+constexpr std::array<std::pair<const char*, const char*>, 2> memory_settings{
+    {{"MALLOC_MMAP_MAX_", "0"}, {"MALLOC_TRIM_THRESHOLD_", "4611686018427387904"}}};
 
 struct FileActions {
     posix_spawn_file_actions_t actions{};
@@ -60,8 +65,10 @@ struct SpawnAttributes {
 };
 
 [[noreturn]] void refuse_start(const std::string& interpreter, int error) {
-    throw Failure(fmt::format("cannot start the Python '{}': {}; name one by `python`, or in the environment variable FLUIDCARVE_PYTHON", interpreter,
-                              std::strerror(error)));
+    throw Failure(
+        fmt::format("cannot start the Python '{}': {}; name one by `python`, or in the environment "
+                    "variable FLUIDCARVE_PYTHON",
+                    interpreter, std::strerror(error)));
 }
 
 void close_if_open(int& file) {
@@ -69,7 +76,8 @@ void close_if_open(int& file) {
     file = -1;
 }
 
-/// The place in a dump of Python's faulthandler: the first in the script's folder, else the first. Empty: there is none.
+/// The place in a dump of Python's faulthandler: the first in the script's folder, else the first.
+/// Empty: there is none.
 std::string place_in(const std::string& dump, const std::string& script) {
     const auto folder = std::filesystem::path(script).parent_path().string();
     std::string first;
@@ -88,7 +96,9 @@ std::string place_in(const std::string& dump, const std::string& script) {
 
 }  // namespace
 
-Worker::Worker(const std::string& interpreter, const std::string& script, double seconds, const WorkerHost& host) : interpreter_(interpreter), script_(script) {
+Worker::Worker(const std::string& interpreter, const std::string& script, double seconds,
+               const WorkerHost& host)
+    : interpreter_(interpreter), script_(script) {
     start();
     try {
         call({{"open", script}}, seconds, host);
@@ -108,7 +118,8 @@ Worker::~Worker() {
 void Worker::start() {
     const auto package = shared_folder("python");
     std::array<int, 2> sockets{}, life{};
-    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets.data()) != 0) refuse_start(interpreter_, errno);
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets.data()) != 0)
+        refuse_start(interpreter_, errno);
     socket_ = sockets[0];
     if (pipe2(life.data(), O_CLOEXEC) != 0) refuse_start(interpreter_, errno);
     life_ = life[1];
@@ -116,21 +127,27 @@ void Worker::start() {
     if (log_ < 0) refuse_start(interpreter_, errno);
     fcntl(log_, F_SETFL, O_APPEND);
 
-    // Descriptors above those that the process gets, so that none is overwritten before it is handed over.
+    // Descriptors above those that the process gets, so that none is overwritten before it is
+    // handed over.
     std::vector<int> above;
     for (const int file : {sockets[1], given.descriptor(), answered.descriptor(), life[0], log_})
         above.push_back(fcntl(file, F_DUPFD_CLOEXEC, first_descriptor + 8));
     FileActions files;
     posix_spawn_file_actions_addopen(&files.actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    for (int n = 0; n < 4; ++n) posix_spawn_file_actions_adddup2(&files.actions, above[static_cast<std::size_t>(n)], first_descriptor + n);
-    for (const int file : {STDOUT_FILENO, STDERR_FILENO}) posix_spawn_file_actions_adddup2(&files.actions, above.back(), file);
+    for (int n = 0; n < 4; ++n)
+        posix_spawn_file_actions_adddup2(&files.actions, above[static_cast<std::size_t>(n)],
+                                         first_descriptor + n);
+    for (const int file : {STDOUT_FILENO, STDERR_FILENO})
+        posix_spawn_file_actions_adddup2(&files.actions, above.back(), file);
 
-    // A group of its own, so that Ctrl-C reaches this program alone, which ends the group. Signals as in a new process.
+    // A group of its own, so that Ctrl-C reaches this program alone, which ends the group. Signals
+    // as in a new process.
     SpawnAttributes how;
     sigset_t none, all;
     sigemptyset(&none);
     sigfillset(&all);
-    posix_spawnattr_setflags(&how.attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    posix_spawnattr_setflags(
+        &how.attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
     posix_spawnattr_setsigmask(&how.attributes, &none);
     posix_spawnattr_setsigdefault(&how.attributes, &all);
 
@@ -143,7 +160,8 @@ void Worker::start() {
     for (auto& setting : settings) environment.push_back(setting.data());
     arguments.push_back(nullptr);
     environment.push_back(nullptr);
-    const int error = posix_spawnp(&process_, interpreter_.c_str(), &files.actions, &how.attributes, arguments.data(), environment.data());
+    const int error = posix_spawnp(&process_, interpreter_.c_str(), &files.actions, &how.attributes,
+                                   arguments.data(), environment.data());
     for (const int file : above) close(file);
     close(sockets[1]);
     close(life[0]);
@@ -175,7 +193,8 @@ bool Worker::receive() {
     if (poll(&ready, 1, pause_ms) <= 0) {
         // What a script prints without end must not fill the memory.
         struct stat now {};
-        if (fstat(log_, &now) == 0 && static_cast<std::size_t>(now.st_size) > most_log) [[maybe_unused]]
+        if (fstat(log_, &now) == 0 && static_cast<std::size_t>(now.st_size) > most_log)
+            [[maybe_unused]]
             const auto cut = ftruncate(log_, most_printed);
         return true;
     }
@@ -188,7 +207,8 @@ bool Worker::receive() {
 Json Worker::call(Json request, double seconds, const WorkerHost& host) {
     seconds_ = seconds;
     request["seconds"] = seconds;
-    const auto end_of_time = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds + grace));
+    const auto end_of_time = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                                std::chrono::duration<double>(seconds + grace));
     send(request.dump() + "\n");
     std::string line;
     while (true) {
@@ -200,7 +220,8 @@ Json Worker::call(Json request, double seconds, const WorkerHost& host) {
                 host.progress(said["progress"]);
             } else {
                 ready_ = true;
-                if (const auto text = printed(); !text.empty()) host.warn("the script printed: " + text);
+                if (const auto text = printed(); !text.empty())
+                    host.warn("the script printed: " + text);
                 if (said.contains("failed")) throw Failure(said["failed"].get<std::string>());
                 return said;
             }
@@ -223,7 +244,9 @@ void Worker::end(bool going) {
         // One that is about to end by itself says more than one that was killed.
         siginfo_t gone{};
         for (int waited = 0;
-             going && waited < most_going_ms && waitid(P_PID, static_cast<id_t>(process_), &gone, WEXITED | WNOHANG | WNOWAIT) == 0 && gone.si_pid == 0;
+             going && waited < most_going_ms &&
+             waitid(P_PID, static_cast<id_t>(process_), &gone, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+             gone.si_pid == 0;
              ++waited)
             poll(nullptr, 0, 1);
         // The whole group: what the script has started, too.
@@ -258,20 +281,35 @@ std::string Worker::last_words() {
         log.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
     }
     const bool slow = log.find("Timeout (") != std::string::npos;
-    const auto place = slow || log.find("Fatal Python error") != std::string::npos ? place_in(log, script_) : std::string();
+    const auto place = slow || log.find("Fatal Python error") != std::string::npos
+                           ? place_in(log, script_)
+                           : std::string();
     const auto& where = place.empty() ? script_ : place;
-    if (slow) return fmt::format("{}: the script did not end within {}; raise `timeout` if it needs longer", where, duration_text(seconds_));
+    if (slow)
+        return fmt::format(
+            "{}: the script did not end within {}; raise `timeout` if it needs longer", where,
+            duration_text(seconds_));
     if (!ready_) {
         const auto text = log.substr(0, log.find_last_not_of('\n') + 1);
-        return fmt::format("'{}' can't run scripts{}{}; name another Python by `python`, or in the environment variable FLUIDCARVE_PYTHON", interpreter_,
-                           text.empty() ? "" : ": ", text);
+        return fmt::format(
+            "'{}' can't run scripts{}{}; name another Python by `python`, or in the environment "
+            "variable FLUIDCARVE_PYTHON",
+            interpreter_, text.empty() ? "" : ": ", text);
     }
     if (WIFEXITED(status_))
-        return fmt::format("{}: the script ended its process with code {}, as os._exit does; raise an exception in place of that", where, WEXITSTATUS(status_));
+        return fmt::format(
+            "{}: the script ended its process with code {}, as os._exit does; raise an exception "
+            "in place of that",
+            where, WEXITSTATUS(status_));
     const int number = WTERMSIG(status_);
     if (number == SIGKILL && place.empty())
-        return fmt::format("{}: the script's process was killed, perhaps because the machine's memory was full; --in-flight 1 runs one frame at a time", where);
-    return fmt::format("{}: the script's process crashed ({}); look for a fault in a library that it uses", where, strsignal(number));
+        return fmt::format(
+            "{}: the script's process was killed, perhaps because the machine's memory was full; "
+            "--in-flight 1 runs one frame at a time",
+            where);
+    return fmt::format(
+        "{}: the script's process crashed ({}); look for a fault in a library that it uses", where,
+        strsignal(number));
 }
 
 }  // namespace fluidcarve

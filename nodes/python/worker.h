@@ -19,23 +19,27 @@ struct WorkerHost {
     std::function<void(double)> progress = [](double) {};
 };
 
-/// A process of Python that runs the functions of one script: python/fluidcarve/worker.py. The two talk by lines of JSON over a socket, and hand arrays over in
-/// shared memory. It ends with this object, and with this program, however that ends.
+/// A process of Python that runs the functions of one script: python/fluidcarve/worker.py. The two
+/// talk by lines of JSON over a socket, and hand arrays over in shared memory. It ends with this
+/// object, and with this program, however that ends.
 class Worker {
 public:
     /// Starts the process, and imports the script.
     /// @param interpreter  a path, or a name on PATH
     /// @param seconds      that the import may take
-    /// @throws Failure with the script's traceback; or if the interpreter can't be started or has no numpy
+    /// @throws Failure with the script's traceback; or if the interpreter can't be started or has
+    ///   no numpy
     /// @throws Cancelled
-    Worker(const std::string& interpreter, const std::string& script, double seconds, const WorkerHost& host);
+    Worker(const std::string& interpreter, const std::string& script, double seconds,
+           const WorkerHost& host);
     ~Worker();
     Worker(const Worker&) = delete;
     Worker& operator=(const Worker&) = delete;
 
     /// Sends a request, and waits for its answer.
     /// @param seconds  that the answer may take; after that the process is ended
-    /// @throws Failure with the script's traceback, or with its place if the process ended or was ended
+    /// @throws Failure with the script's traceback, or with its place if the process ended or was
+    ///   ended
     /// @throws Cancelled
     nlohmann::json call(nlohmann::json request, double seconds, const WorkerHost& host);
     /// Whether it can be called again.

@@ -1,6 +1,6 @@
 #include "nodes/python/workers.h"
 
-#include "graph/text/problem.h"
+#include "carve/base/failure.h"
 
 #include <chrono>
 
@@ -16,7 +16,8 @@ Workers::~Workers() {
     for (auto& starter : starters_) starter.join();
 }
 
-void Workers::with_one(const Kind& kind, double seconds, const WorkerHost& host, const std::function<void(Worker&)>& use) {
+void Workers::with_one(const Kind& kind, double seconds, const WorkerHost& host,
+                       const std::function<void(Worker&)>& use) {
     auto worker = taken(kind, seconds, host);
     const auto give_back = [&] {
         const std::lock_guard lock(mutex_);
@@ -73,7 +74,8 @@ void Workers::start_beside(const Kind& kind, double seconds) {
         try {
             made = std::make_unique<Worker>(kind.first, kind.second, seconds, host);
         } catch (...) {
-            // Those that run go on. If none is left, the next caller starts one itself, and is told why it can't.
+            // Those that run go on. If none is left, the next caller starts one itself, and is told
+            // why it can't.
         }
         const std::lock_guard lock(mutex_);
         auto& pool = pools_[kind];

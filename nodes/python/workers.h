@@ -16,8 +16,9 @@
 
 namespace fluidcarve {
 
-/// The program's workers. There come to be as many as frames in flight. A further one starts beside those that work, so that nobody waits for its start who
-/// could have one of them before. Thread-safe.
+/// The program's workers. There come to be as many as frames in flight. A further one starts beside
+/// those that work, so that nobody waits for its start who could have one of them before.
+/// Thread-safe.
 class Workers {
 public:
     /// Which workers can stand in for each other: interpreter and script.
@@ -29,7 +30,8 @@ public:
     /// Hands a worker to `use`. It is idle again afterwards, unless its process has ended.
     /// @param seconds  that the import of the script may take
     /// @throws as Worker, and what `use` throws
-    void with_one(const Kind& kind, double seconds, const WorkerHost& host, const std::function<void(Worker&)>& use);
+    void with_one(const Kind& kind, double seconds, const WorkerHost& host,
+                  const std::function<void(Worker&)>& use);
 
 private:
     struct Pool {

@@ -8,7 +8,8 @@
 namespace fluidcarve {
 
 /// Heads of the table of carved grids.
-inline const std::vector<std::string> grid_heads{"grid", "size", "mass", "highest", "centre", "flicker"};
+inline const std::vector<std::string> grid_heads{"grid",    "size",   "mass",
+                                                 "highest", "centre", "flicker"};
 
 /// Rows of the table of carved grids, two for each grid: before and after.
 /// @param grids  the report's section `grids`, by node and grid (pipelines/FORMATS.md)

@@ -7,16 +7,22 @@ namespace fluidcarve {
 
 // Parts that all pages share.
 
-/// An element with text in it. @param open  its name, and its attributes if it has any: `p class="muted"`
+/// An element with text in it.
+/// @param open  its name, and its attributes if it has any: `p class="muted"`
 std::string element(const std::string& open, const std::string& words);
 
-/// A table that scrolls sideways where it is too wide. @param rows  `[row][column]`; the first cell of a row is its name
-std::string wide_table(const std::vector<std::string>& heads, const std::vector<std::vector<std::string>>& rows);
+/// A table that scrolls sideways where it is too wide.
+/// @param rows  `[row][column]`; the first cell of a row is its name
+std::string wide_table(const std::vector<std::string>& heads,
+                       const std::vector<std::vector<std::string>>& rows);
 
-/// The beginning of a page, to the start of its body: without scripts, and with nothing from elsewhere.
+/// The beginning of a page, to the start of its body: without scripts, and with nothing from
+/// elsewhere.
 std::string page_begin(const std::string& title);
 
-/// A picture that a click shows at full size. @param caption  also its text for those who do not see it @param png  the file's bytes
+/// A picture that a click shows at full size.
+/// @param caption  also its text for those who do not see it
+/// @param png  the file's bytes
 std::string picture_figure(const std::string& caption, const std::string& png);
 
 }  // namespace fluidcarve

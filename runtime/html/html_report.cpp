@@ -1,81 +1,49 @@
 #include "runtime/html/html_report.h"
 
-#include "graph/input_file.h"
-#include "graph/text/words.h"
+#include "carve/base/frame_set.h"
+#include "carve/base/words.h"
+#include "formats/file/input_file.h"
 #include "graph/text/xml_text.h"
 #include "graph/views/drawing.h"
 #include "runtime/html/grid_rows.h"
 #include "runtime/html/html_parts.h"
+#include "runtime/html/html_words.h"
 #include "runtime/html/plot.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <set>
 
 namespace fluidcarve {
+
 namespace {
 
 using Json = nlohmann::ordered_json;
-namespace fs = std::filesystem;
 
-constexpr std::uintmax_t most_picture_bytes = 24 << 20;
 constexpr double least_gap = 5e-5;  ///< smaller gaps are rounding errors
 
-std::string percent(double share) { return fmt::format("{:.{}f} %", share * 100, share < 0.0995 ? 2 : share < 0.995 ? 1 : 0); }
-
-/// A value of the report as short text; lists are joined by commas.
-std::string plain(const Json& value) {
-    if (value.is_string()) return value.get<std::string>();
-    if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
-    if (value.is_number_integer()) return value.dump();
-    if (value.is_number()) return fmt::format("{:.6g}", value.get<double>());
-    if (value.is_null()) return "–";
-    std::vector<std::string> parts;
-    for (const auto& [name, each] : value.items()) parts.push_back(value.is_object() ? name + ": " + plain(each) : plain(each));
-    return fmt::format("{}", fmt::join(parts, ", "));
-}
-
-/// A field name as words: "lower_bound" to "lower bound".
-std::string words(std::string name) {
-    std::replace(name.begin(), name.end(), '_', ' ');
-    return name;
-}
-
-std::vector<double> numbers(const Json& entry, const std::string& field) {
-    std::vector<double> out;
-    if (const auto list = entry.find(field); list != entry.end() && list->is_array())
-        for (const auto& value : *list) out.push_back(value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN());
-    return out;
-}
-
-std::string word(const Json& entry, const std::string& field) {
-    const auto found = entry.find(field);
-    return found != entry.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
-std::string values_table(const std::vector<std::pair<std::string, const ValueSource*>>& rows) {
-    std::string out = "<table class=\"values\"><tbody>\n";
-    for (const auto& [name, source] : rows) {
-        const auto with = source->with.empty() ? std::string() : fmt::format(" with {}", fmt::join(source->with, ", "));
-        out += fmt::format("<tr>{}<td><code>{}</code></td>{}</tr>\n", element("th", name), xml_text(source->value),
-                           element("td class=\"from\"", source->from + with));
-    }
-    return out + "</tbody></table>\n";
+std::string percent(double share) {
+    return fmt::format("{:.{}f} %", share * 100, share < 0.0995 ? 2 : share < 0.995 ? 1 : 0);
 }
 
 /// Builds the page, section by section.
 class Page {
 public:
-    Page(const Pipeline& pipeline, const Registry& registry, const ValueSources& sources, const Json& report, const WrittenFiles& files,
-         const std::string& when)
-        : pipeline_(pipeline), registry_(registry), sources_(sources), report_(report), files_(files), when_(when) {
-        for (const auto& [name, node] : report.at("nodes").items()) all_s_ += node.at("wall_s").get<double>();
-        for (const auto& failure : report.at("failures")) failed_.insert(failure.at("node").get<std::string>());
+    Page(const Pipeline& pipeline, const Registry& registry, const ValueSources& sources,
+         const Json& report, const WrittenFiles& files, const std::string& when)
+        : pipeline_(pipeline),
+          registry_(registry),
+          sources_(sources),
+          report_(report),
+          files_(files),
+          when_(when) {
+        for (const auto& [name, node] : report.at("nodes").items())
+            all_s_ += node.at("wall_s").get<double>();
+        for (const auto& failure : report.at("failures"))
+            failed_.insert(failure.at("node").get<std::string>());
     }
 
     std::string text() {
@@ -88,7 +56,8 @@ public:
         for (const auto& [name, entry] : report_.at("seams").items()) seams(name, entry);
         grids();
         for (const auto& [name, section] : report_.items())
-            if (name != "nodes" && name != "seams" && name != "grids" && name != "grids_by_frame" && section.is_object() && !section.empty())
+            if (name != "nodes" && name != "seams" && name != "grids" && name != "grids_by_frame" &&
+                section.is_object() && !section.empty())
                 others(name, section);
         values();
         return out_ + "</body>\n</html>\n";
@@ -99,8 +68,12 @@ private:
         const auto found = report_.at("nodes").find(node);
         return found == report_.at("nodes").end() ? nullptr : &*found;
     }
-    static std::size_t count(const Json& node, const char* field) { return node.at(field).get<std::size_t>(); }
-    static bool all_kept(const Json& node) { return count(node, "frames") > 0 && count(node, "cached") == count(node, "frames"); }
+    static std::size_t count(const Json& node, const char* field) {
+        return node.at(field).get<std::size_t>();
+    }
+    static bool all_kept(const Json& node) {
+        return count(node, "frames") > 0 && count(node, "cached") == count(node, "frames");
+    }
     void section(const std::string& title) { out_ += element("h2", title) + "\n"; }
 
     std::string outcome() const {
@@ -117,12 +90,22 @@ private:
 
     void head() {
         out_ = page_begin(pipeline_.name);
-        out_ += element("p class=\"eyebrow\"", fmt::format("fluidcarve {}, {}", report_.at("fluidcarve").get<std::string>(), when_)) + "\n";
+        out_ += element("p class=\"eyebrow\"",
+                        fmt::format("fluidcarve {}, {}",
+                                    report_.at("fluidcarve").get<std::string>(), when_)) +
+                "\n";
         out_ += element("h1", pipeline_.name) + "\n";
-        out_ += element(report_.at("exit") == 0 ? "p class=\"outcome\"" : "p class=\"outcome bad\"", outcome()) + "\n<dl class=\"facts\">\n";
-        const auto add = [&](const std::string& name, const std::string& value) { out_ += "<div>" + element("dt", name) + element("dd", value) + "</div>\n"; };
+        out_ += element(report_.at("exit") == 0 ? "p class=\"outcome\"" : "p class=\"outcome bad\"",
+                        outcome()) +
+                "\n<dl class=\"facts\">\n";
+        const auto add = [&](const std::string& name, const std::string& value) {
+            out_ += "<div>" + element("dt", name) + element("dd", value) + "</div>\n";
+        };
         const auto frames = report_.at("frames").get<std::vector<int>>();
-        if (!frames.empty()) add("Frames", frames.size() == 1 ? FrameSet(frames).text() : fmt::format("{} ({})", FrameSet(frames).text(), frames.size()));
+        if (!frames.empty())
+            add("Frames", frames.size() == 1
+                              ? FrameSet(frames).text()
+                              : fmt::format("{} ({})", FrameSet(frames).text(), frames.size()));
         std::size_t results = 0, kept = 0;
         for (const auto& [name, node] : report_.at("nodes").items()) {
             results += count(node, "frames");
@@ -132,7 +115,8 @@ private:
         for (const auto& [name, entry] : report_.at("seams").items()) {
             const bool inserts = word(entry, "kind") == "insert";
             add(report_.at("seams").size() == 1 ? "Seams" : "Seams of " + name,
-                fmt::format("{} {}", numbers(entry, "energy").size(), inserts ? "inserted" : "removed"));
+                fmt::format("{} {}", numbers(entry, "energy").size(),
+                            inserts ? "inserted" : "removed"));
         }
         add("Time", duration_text(report_.at("wall_s").get<double>()));
         add("Peak memory", size_text(report_.at("peak_rss_bytes").get<std::uint64_t>()));
@@ -148,11 +132,16 @@ private:
             if (failure.contains("frame")) frames.push_back(failure.at("frame").get<int>());
         if (!frames.empty()) {
             const FrameSet failed(frames);
-            out_ += element("p", fmt::format("Failed {}: {}", failed.frames().size() == 1 ? "frame" : "frames", failed.text())) + "\n";
+            out_ += element("p", fmt::format("Failed {}: {}",
+                                             failed.frames().size() == 1 ? "frame" : "frames",
+                                             failed.text())) +
+                    "\n";
         }
         out_ += "<ul class=\"messages failures\">\n";
         for (const auto& failure : failures) {
-            const auto place = failure.contains("frame") ? fmt::format(", frame {}", failure.at("frame").get<int>()) : std::string();
+            const auto place = failure.contains("frame")
+                                   ? fmt::format(", frame {}", failure.at("frame").get<int>())
+                                   : std::string();
             message(failure, place);
         }
         out_ += "</ul>\n";
@@ -169,7 +158,10 @@ private:
     void message(const Json& entry, const std::string& place) {
         const auto name = entry.at("node").get<std::string>();
         const auto* const node = pipeline_.find(name);
-        out_ += "<li>" + element("small", fmt::format("{}{}{}", name, node ? fmt::format(" ({})", node->type->name) : "", place)) +
+        out_ += "<li>" +
+                element("small",
+                        fmt::format("{}{}{}", name,
+                                    node ? fmt::format(" ({})", node->type->name) : "", place)) +
                 xml_text(entry.at("message").get<std::string>()) + "</li>\n";
     }
 
@@ -177,22 +169,30 @@ private:
         section("Pictures");
         if (files_.pictures.empty())
             out_ +=
-                "<p class=\"muted\">No node of this pipeline writes a picture. A <code>preview.sheet</code> node draws before and after, side by side, to a "
+                "<p class=\"muted\">No node of this pipeline writes a picture. A "
+                "<code>preview.sheet</code> node draws before and after, side by side, to a "
                 "PNG file, which is then shown here.</p>\n";
         for (const auto& picture : files_.pictures) {
             const auto caption = fmt::format("{}, written by {}", picture.path, picture.node);
             if (!picture.fault.empty()) {
-                out_ += element("p class=\"muted\"", fmt::format("{} writes {}, which {}.", picture.node, picture.path, picture.fault)) + "\n";
+                out_ += element("p class=\"muted\"",
+                                fmt::format("{} writes {}, which {}.", picture.node, picture.path,
+                                            picture.fault)) +
+                        "\n";
                 continue;
             }
-            out_ += picture_figure(caption + (picture.earlier ? " in an earlier run" : ""), picture.png);
+            out_ += picture_figure(caption + (picture.earlier ? " in an earlier run" : ""),
+                                   picture.png);
         }
         for (const auto& page : files_.pages)
-            out_ += fmt::format("<p>Before and after, with a slider for the count: <a href=\"{}\">{}</a>, written by {}</p>\n", xml_text(page.address),
-                                xml_text(page.path), xml_text(page.node));
+            out_ += fmt::format(
+                "<p>Before and after, with a slider for the count: <a href=\"{}\">{}</a>, written "
+                "by {}</p>\n",
+                xml_text(page.address), xml_text(page.path), xml_text(page.node));
     }
 
-    static constexpr std::array<double, 5> heats{0, 0.02, 0.1, 0.25, 0.5};  ///< least share of the total time (0..1) for each heat colour
+    static constexpr std::array<double, 5> heats{
+        0, 0.02, 0.1, 0.25, 0.5};  ///< least share of the total time (0..1) for each heat colour
 
     NodeLook look(const Node& node) const {
         const auto* const entry = measured(node.name);
@@ -202,8 +202,10 @@ private:
         } else if (entry) {
             const auto seconds = entry->at("wall_s").get<double>();
             const double share = all_s_ > 0 ? seconds / all_s_ : 0;
-            const auto heat = std::upper_bound(heats.begin(), heats.end(), share) - heats.begin() - 1;
-            out = {fmt::format("heat{}", std::max<std::ptrdiff_t>(0, heat)), fmt::format("{}, {:.0f} %", duration_text(seconds), share * 100)};
+            const auto heat =
+                std::upper_bound(heats.begin(), heats.end(), share) - heats.begin() - 1;
+            out = {fmt::format("heat{}", std::max<std::ptrdiff_t>(0, heat)),
+                   fmt::format("{}, {:.0f} %", duration_text(seconds), share * 100)};
         }
         if (failed_.contains(node.name)) out = {out.style + " failed", "failed"};
         return out;
@@ -213,23 +215,28 @@ private:
         section("Graph");
         std::vector<NodeLook> looks;
         for (const auto& node : pipeline_.nodes) looks.push_back(look(node));
-        out_ += "<div class=\"graph\"><div class=\"scroll\">\n" + (looks.empty() ? std::string() : to_svg(pipeline_, registry_, looks)) +
+        out_ += "<div class=\"graph\"><div class=\"scroll\">\n" +
+                (looks.empty() ? std::string() : to_svg(pipeline_, registry_, looks)) +
                 "</div>\n<ul class=\"legend\">\n";
         const auto chip = [&](const std::string& style, const std::string& meaning) {
-            const bool shown =
-                std::any_of(looks.begin(), looks.end(), [&](const NodeLook& look) { return (look.style + " ").find(style + " ") != std::string::npos; });
+            const bool shown = std::any_of(looks.begin(), looks.end(), [&](const NodeLook& look) {
+                return (look.style + " ").find(style + " ") != std::string::npos;
+            });
             if (shown) out_ += fmt::format("<li><i class=\"{}\"></i>{}</li>\n", style, meaning);
         };
         for (std::size_t n = 0; n < heats.size(); ++n) {
-            const auto low = fmt::format("{:.0f}", heats[n] * 100), high = n + 1 < heats.size() ? fmt::format("{:.0f}", heats[n + 1] * 100) : std::string();
-            chip(fmt::format("heat{}", n), n == 0         ? fmt::format("under {} % of the time", high)
+            const auto low = fmt::format("{:.0f}", heats[n] * 100),
+                       high = n + 1 < heats.size() ? fmt::format("{:.0f}", heats[n + 1] * 100)
+                                                   : std::string();
+            chip(fmt::format("heat{}", n), n == 0 ? fmt::format("under {} % of the time", high)
                                            : high.empty() ? fmt::format("over {} %", low)
                                                           : fmt::format("{} to {} %", low, high));
         }
         chip("kept", "from earlier runs");
         chip("idle", "not in this run");
         chip("failed", "failed");
-        if (std::any_of(pipeline_.nodes.begin(), pipeline_.nodes.end(), [](const Node& node) { return node.gathers; }))
+        if (std::any_of(pipeline_.nodes.begin(), pipeline_.nodes.end(),
+                        [](const Node& node) { return node.gathers; }))
             out_ += "<li><i class=\"gathers\"></i>heavy border: gathers all frames</li>\n";
         out_ += "</ul></div>\n";
     }
@@ -238,26 +245,37 @@ private:
         if (report_.at("nodes").empty()) return;
         section("Nodes");
         out_ +=
-            "<p class=\"muted\">Time is the sum over all frames and threads. Memory is the largest result of a frame, files are what the node has "
+            "<p class=\"muted\">Time is the sum over all frames and threads. Memory is the largest "
+            "result of a frame, files are what the node has "
             "written.</p>\n"
-            "<div class=\"scroll\"><table class=\"wide\"><thead><tr><th>node</th><th class=\"number\">frames</th><th class=\"number\">from earlier runs</th>"
-            "<th class=\"number\">time</th><th></th><th class=\"number\">a frame</th><th class=\"number\">memory</th><th "
+            "<div class=\"scroll\"><table class=\"wide\"><thead><tr><th>node</th><th "
+            "class=\"number\">frames</th><th class=\"number\">from earlier runs</th>"
+            "<th class=\"number\">time</th><th></th><th class=\"number\">a frame</th><th "
+            "class=\"number\">memory</th><th "
             "class=\"number\">files</th></tr></thead><tbody>\n";
         double most = 0;
-        for (const auto& [name, node] : report_.at("nodes").items()) most = std::max(most, node.at("wall_s").get<double>());
+        for (const auto& [name, node] : report_.at("nodes").items())
+            most = std::max(most, node.at("wall_s").get<double>());
         for (const auto& [name, node] : report_.at("nodes").items()) {
             const auto seconds = node.at("wall_s").get<double>();
             const auto computed = count(node, "frames") - count(node, "cached");
             const auto bytes = node.at("bytes").get<std::uint64_t>();
             const auto written = files_.bytes.find(name);
-            const auto cell = [&](const std::string& text) { out_ += element("td class=\"number\"", text); };
+            const auto cell = [&](const std::string& text) {
+                out_ += element("td class=\"number\"", text);
+            };
             out_ +=
-                fmt::format("<tr><th><a href=\"#node-{}\">{}</a>{}</th>", xml_text(name), xml_text(name), element("small", node.at("type").get<std::string>()));
+                fmt::format("<tr><th><a href=\"#node-{}\">{}</a>{}</th>", xml_text(name),
+                            xml_text(name), element("small", node.at("type").get<std::string>()));
             cell(std::to_string(count(node, "frames")));
             cell(count(node, "cached") > 0 ? std::to_string(count(node, "cached")) : "");
             cell(all_kept(node) ? "" : duration_text(seconds));
-            out_ += all_kept(node) || most <= 0 ? "<td></td>"
-                                                : fmt::format("<td><span class=\"meter\"><i style=\"width:{:.1f}%\"></i></span></td>", 100 * seconds / most);
+            out_ +=
+                all_kept(node) || most <= 0
+                    ? "<td></td>"
+                    : fmt::format(
+                          "<td><span class=\"meter\"><i style=\"width:{:.1f}%\"></i></span></td>",
+                          100 * seconds / most);
             cell(computed > 0 ? duration_text(seconds / static_cast<double>(computed)) : "");
             cell(bytes > 0 ? size_text(bytes) : "");
             cell(written != files_.bytes.end() ? size_text(written->second) : "");
@@ -278,50 +296,71 @@ private:
                 ++bounded;
             }
         const bool inserts = word(entry, "kind") == "insert";
-        auto told = fmt::format("{} {} across {}", counted(energy.size(), "seam"), inserts ? "inserted" : "removed", word(entry, "axis"));
+        auto told = fmt::format("{} {} across {}", counted(energy.size(), "seam"),
+                                inserts ? "inserted" : "removed", word(entry, "axis"));
         if (const auto pairs = numbers(entry, "pair_energy").size(); pairs > 0)
-            told += fmt::format(", {} {} in the pair window", pairs == energy.size() ? "as many" : std::to_string(pairs), inserts ? "removed" : "inserted");
+            told += fmt::format(", {} {} in the pair window",
+                                pairs == energy.size() ? "as many" : std::to_string(pairs),
+                                inserts ? "removed" : "inserted");
         told += where(entry) + ".";
         const bool least = widest < least_gap;
         if (bounded > 0 && bounded < gap.size())
-            told += fmt::format(" A lower bound is known for {} of them: no seam can have less energy there, and {} at most {} more.", bounded,
-                                bounded == 1 ? "it has" : "they have", percent(widest));
+            told += fmt::format(
+                " A lower bound is known for {} of them: no seam can have less energy there, and "
+                "{} at most {} more.",
+                bounded, bounded == 1 ? "it has" : "they have", percent(widest));
         else if (bounded > 0)
             told += least ? " Each is at its lower bound: no seam has less energy."
-                          : fmt::format(" No seam can have less energy than its lower bound; these have at most {} more.", percent(widest));
+                          : fmt::format(
+                                " No seam can have less energy than its lower bound; these have at "
+                                "most {} more.",
+                                percent(widest));
         out_ += element("p", told) + "\n<div class=\"plots\">\n";
         energy_plot(entry, "", "Energy of each seam");
         energy_plot(entry, "pair_", "Energy of each seam of the pair window");
         if (!least && bounded > 1) {
-            LinePlot plot{"Gap to the lower bound, in percent", "seam", {{"gap", gap}}, true, false, {}};
+            LinePlot plot{
+                "Gap to the lower bound, in percent", "seam", {{"gap", gap}}, true, false, {}};
             for (auto& value : plot.curves[0].values) value *= 100;
-            for (std::size_t n = 0; n < gap.size(); ++n) plot.notes.push_back(std::isfinite(gap[n]) ? fmt::format("seam {}: {}", n + 1, percent(gap[n])) : "");
+            for (std::size_t n = 0; n < gap.size(); ++n)
+                plot.notes.push_back(std::isfinite(gap[n])
+                                         ? fmt::format("seam {}: {}", n + 1, percent(gap[n]))
+                                         : "");
             out_ += "<figure>" + to_svg(plot) + "</figure>\n";
         }
         out_ += "</div>\n";
         all_numbers(entry, energy.size());
     }
 
-    /// The lattice of a report entry in words: ", in a lattice of 28 × 26 × 130 vertices and 6 frames".
+    /// The lattice of a report entry in words: ", in a lattice of 28 × 26 × 130 vertices and 6
+    /// frames".
     static std::string where(const Json& entry) {
         const auto shape = numbers(entry, "shape");
-        if (shape.size() != 4 || !std::all_of(shape.begin(), shape.end(), [](double each) { return each >= 0 && each < 1e9; })) return {};
-        return fmt::format(", in a lattice of {} × {} × {} vertices and {}", shape[0], shape[1], shape[2],
-                           counted(static_cast<std::size_t>(shape[3]), "frame"));
+        if (shape.size() != 4 || !std::all_of(shape.begin(), shape.end(),
+                                              [](double each) { return each >= 0 && each < 1e9; }))
+            return {};
+        return fmt::format(", in a lattice of {} × {} × {} vertices and {}", shape[0], shape[1],
+                           shape[2], counted(static_cast<std::size_t>(shape[3]), "frame"));
     }
 
     void energy_plot(const Json& entry, const std::string& prefix, const std::string& title) {
-        const auto energy = numbers(entry, prefix + "energy"), bound = numbers(entry, prefix + "lower_bound");
+        const auto energy = numbers(entry, prefix + "energy"),
+                   bound = numbers(entry, prefix + "lower_bound");
         if (energy.empty()) return;
-        const bool bounded = std::any_of(bound.begin(), bound.end(), [](double value) { return std::isfinite(value); });
+        const bool bounded = std::any_of(bound.begin(), bound.end(),
+                                         [](double value) { return std::isfinite(value); });
         LinePlot plot{title, "seam", {{"energy", energy}}, false, bounded, {}};
         if (bounded) plot.curves.push_back({"bound", bound});
         for (std::size_t n = 0; n < energy.size(); ++n) {
             const bool has = n < bound.size() && std::isfinite(bound[n]);
-            plot.notes.push_back(fmt::format("seam {}: energy {:.6g}{}", n + 1, energy[n], has ? fmt::format(", at least {:.6g}", bound[n]) : ""));
+            plot.notes.push_back(
+                fmt::format("seam {}: energy {:.6g}{}", n + 1, energy[n],
+                            has ? fmt::format(", at least {:.6g}", bound[n]) : ""));
         }
-        out_ += "<figure>" + to_svg(plot) + "<ul class=\"legend\"><li><i class=\"line\"></i>energy</li>" +
-                (bounded ? "<li><i class=\"line bound\"></i>lower bound</li>" : "") + "</ul></figure>\n";
+        out_ += "<figure>" + to_svg(plot) +
+                "<ul class=\"legend\"><li><i class=\"line\"></i>energy</li>" +
+                (bounded ? "<li><i class=\"line bound\"></i>lower bound</li>" : "") +
+                "</ul></figure>\n";
     }
 
     /// A table of all lists in a report entry that have one value per seam.
@@ -330,21 +369,27 @@ private:
         std::vector<std::vector<std::string>> rows;
         for (std::size_t n = 0; n < seams; ++n) rows.push_back({std::to_string(n + 1)});
         for (const auto& [field, list] : entry.items()) {
-            if (field == "shape" || !list.is_array() || list.size() != seams || seams == 0) continue;
+            if (field == "shape" || !list.is_array() || list.size() != seams || seams == 0)
+                continue;
             heads.push_back(field == "wall_s" ? "time" : words(field));
             for (std::size_t n = 0; n < seams; ++n)
-                rows[n].push_back(field == "wall_s" && list[n].is_number() ? duration_text(list[n].get<double>())
-                                  : field == "gap" && list[n].is_number()  ? percent(list[n].get<double>())
-                                                                           : plain(list[n]));
+                rows[n].push_back(
+                    field == "wall_s" && list[n].is_number() ? duration_text(list[n].get<double>())
+                    : field == "gap" && list[n].is_number()  ? percent(list[n].get<double>())
+                                                             : plain(list[n]));
         }
-        if (heads.size() > 1) out_ += "<details><summary>All numbers</summary>\n" + wide_table(heads, rows) + "</details>\n";
+        if (heads.size() > 1)
+            out_ += "<details><summary>All numbers</summary>\n" + wide_table(heads, rows) +
+                    "</details>\n";
     }
 
     void grids() {
         const auto found = report_.find("grids");
         if (found == report_.end()) return;
         section("Carved grids");
-        out_ += element("p class=\"muted\"", "In world units. Mass is the mean of all frames; flicker is its mean change from frame to frame, as a share.") +
+        out_ += element("p class=\"muted\"",
+                        "In world units. Mass is the mean of all frames; flicker is its mean "
+                        "change from frame to frame, as a share.") +
                 "\n" + wide_table(grid_heads, grid_rows(*found));
     }
 
@@ -357,14 +402,18 @@ private:
         std::vector<std::pair<std::string, const Json*>> found;
         for (const auto& [node, entry] : entries.items()) {
             const auto is_object = [](const Json& each) { return each.is_object(); };
-            if (entry.is_object() && !entry.empty() && std::all_of(entry.begin(), entry.end(), is_object))
-                for (const auto& [frame, each] : entry.items()) found.emplace_back(frame == "all" ? node : fmt::format("{}, frame {}", node, frame), &each);
+            if (entry.is_object() && !entry.empty() &&
+                std::all_of(entry.begin(), entry.end(), is_object))
+                for (const auto& [frame, each] : entry.items())
+                    found.emplace_back(
+                        frame == "all" ? node : fmt::format("{}, frame {}", node, frame), &each);
             else found.emplace_back(node, &entry);
         }
         for (const auto& [row, entry] : found)
             if (entry->is_object())
                 for (const auto& [field, value] : entry->items())
-                    if (std::find(fields.begin(), fields.end(), field) == fields.end()) fields.push_back(field);
+                    if (std::find(fields.begin(), fields.end(), field) == fields.end())
+                        fields.push_back(field);
         std::vector<std::string> heads{"node"};
         for (const auto& field : fields) heads.push_back(words(field));
         if (fields.empty()) heads.emplace_back("value");
@@ -373,7 +422,8 @@ private:
             rows.push_back({row});
             if (!entry->is_object()) rows.back().push_back(plain(*entry));
             else
-                for (const auto& field : fields) rows.back().push_back(entry->contains(field) ? plain(entry->at(field)) : "");
+                for (const auto& field : fields)
+                    rows.back().push_back(entry->contains(field) ? plain(entry->at(field)) : "");
         }
         out_ += wide_table(heads, rows);
     }
@@ -383,14 +433,18 @@ private:
         out_ += "<p class=\"muted\">Every value, and where it comes from.</p>\n";
         std::vector<std::pair<std::string, const ValueSource*>> rows{{"frames", &sources_.frames}};
         for (const auto& [name, source] : sources_.params) rows.emplace_back(name, &source);
-        out_ += (sources_.params.empty() ? element("h3", "Frames") : element("h3", "Frames and params")) + "\n" + values_table(rows);
+        out_ += (sources_.params.empty() ? element("h3", "Frames")
+                                         : element("h3", "Frames and params")) +
+                "\n" + values_table(rows);
         for (const auto& [name, fields] : sources_.nodes) {
             std::vector<std::pair<std::string, const ValueSource*>> stated, defaults;
-            for (const auto& [field, source] : fields) (source.from == "default" ? defaults : stated).emplace_back(field, &source);
+            for (const auto& [field, source] : fields)
+                (source.from == "default" ? defaults : stated).emplace_back(field, &source);
             out_ += fmt::format("<h3 id=\"node-{}\">{}</h3>\n", xml_text(name), xml_text(name));
             out_ += values_table(stated);
             if (!defaults.empty())
-                out_ += "<details>" + element("summary", counted(defaults.size(), "default")) + "\n" + values_table(defaults) + "</details>\n";
+                out_ += "<details>" + element("summary", counted(defaults.size(), "default")) +
+                        "\n" + values_table(defaults) + "</details>\n";
         }
     }
 
@@ -405,64 +459,10 @@ private:
     std::string out_;
 };
 
-/// Reads the file into `png`, or sets `fault`.
-void read(PagePicture& picture) {
-    std::error_code error;
-    const auto bytes = fs::file_size(picture.path, error);
-    if (error) picture.fault = "is not there";
-    else if (bytes > most_picture_bytes) picture.fault = "is too large for a page";
-    if (!picture.fault.empty()) return;
-    try {
-        picture.png = InputFile(picture.path, {.what = "a picture"}).whole();
-    } catch (const Unreadable& unreadable) {
-        picture.fault = unreadable.fault;
-        return;
-    }
-    if (!picture.png.starts_with("\x89PNG\r\n\x1a\n")) picture = {picture.node, picture.path, "", "is no PNG file", picture.earlier};
-}
-
-bool is_picture(const std::string& path) { return ending_of(path) == ".png"; }
-
-/// The address of a file in a link of a page.
-std::string address_from(const fs::path& page, const fs::path& file) {
-    std::error_code error;
-    const auto folder = fs::absolute(page).parent_path();
-    std::string out;
-    for (const char each : fs::proximate(fs::absolute(file), folder, error).string())
-        if (std::string_view(" %#?\"<>").find(each) == std::string_view::npos) out += each;
-        else out += fmt::format("%{:02X}", static_cast<unsigned char>(each));
-    return out;
-}
-
 }  // namespace
 
-WrittenFiles written_files(const Pipeline& pipeline, const std::vector<int>& delivered, const Json& report, fs::file_time_type start, const fs::path& page) {
-    WrittenFiles out;
-    for (const auto& node : pipeline.nodes)
-        for (const auto& spec : node.type->params) {
-            if (spec.shape.kind != Shape::Kind::output_path) continue;
-            const auto& pattern = spec.path(node.params.get());
-            if (pattern.text().empty()) continue;
-            const auto frames = delivered.empty() || !pattern.per_frame() ? std::vector<int>{pipeline.frames.frames().front()} : delivered;
-            for (const auto frame : frames) {
-                std::error_code error;
-                if (const auto bytes = fs::file_size(pattern.at(frame), error); !error) out.bytes[node.name] += bytes;
-            }
-            const auto path = pattern.at(frames.front());
-            std::error_code error;
-            if (ending_of(path) == ".html" && fs::exists(path, error)) out.pages.push_back({node.name, path, address_from(page, path)});
-            if (!is_picture(path)) continue;
-            const auto& nodes = report.at("nodes");
-            const bool current = nodes.contains(node.name) && nodes.at(node.name).at("cached").get<std::size_t>() > 0;
-            const auto written = fs::last_write_time(path, error);
-            out.pictures.push_back({node.name, path, "", "", !error && written < start && !current});
-            read(out.pictures.back());
-        }
-    return out;
-}
-
-std::string to_html(const Pipeline& pipeline, const Registry& registry, const ValueSources& sources, const Json& report, const WrittenFiles& files,
-                    const std::string& when) {
+std::string to_html(const Pipeline& pipeline, const Registry& registry, const ValueSources& sources,
+                    const Json& report, const WrittenFiles& files, const std::string& when) {
     return Page(pipeline, registry, sources, report, files, when).text();
 }
 

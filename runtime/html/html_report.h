@@ -36,19 +36,25 @@ struct WrittenFiles {
     std::map<std::string, std::uint64_t> bytes;  ///< node name to the bytes of its existing files
 };
 
-/// Looks at the files of all writers. Of a sequence of pictures only the first is shown, and no picture above 24 MiB.
+/// Looks at the files of all writers. Of a sequence of pictures only the first is shown, and no
+/// picture above 24 MiB.
 /// @param delivered  frame numbers
 /// @param report     the run's report, as returned by Report::to_json
-/// @param start      start of the run. Older files count as written by an earlier run, unless this run found them up to date
+/// @param start      start of the run. Older files count as written by an earlier run, unless this
+///   run found them up to date
 /// @param page       the report page
-WrittenFiles written_files(const Pipeline& pipeline, const std::vector<int>& delivered, const nlohmann::ordered_json& report,
-                           std::filesystem::file_time_type start, const std::filesystem::path& page);
+WrittenFiles written_files(const Pipeline& pipeline, const std::vector<int>& delivered,
+                           const nlohmann::ordered_json& report,
+                           std::filesystem::file_time_type start,
+                           const std::filesystem::path& page);
 
-/// The report of a run as one self-contained HTML page, without scripts or external files. For wide and narrow, light and dark screens.
+/// The report of a run as one self-contained HTML page, without scripts or external files. For wide
+/// and narrow, light and dark screens.
 /// @param sources  the sources of the pipeline's values
 /// @param report   the run's report, as returned by Report::to_json
 /// @param when     time of the run, as text
-std::string to_html(const Pipeline& pipeline, const Registry& registry, const ValueSources& sources, const nlohmann::ordered_json& report,
-                    const WrittenFiles& files, const std::string& when);
+std::string to_html(const Pipeline& pipeline, const Registry& registry, const ValueSources& sources,
+                    const nlohmann::ordered_json& report, const WrittenFiles& files,
+                    const std::string& when);
 
 }  // namespace fluidcarve

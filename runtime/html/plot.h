@@ -11,7 +11,8 @@ struct PlotCurve {
     std::vector<double> values;  ///< y at x = 1, 2, ...
 };
 
-/// A line plot for a page. The page's style sheet sets the colours of the CSS classes `axis`, `grid`, `band` and those of the curves.
+/// A line plot for a page. The page's style sheet sets the colours of the CSS classes `axis`,
+/// `grid`, `band` and those of the curves.
 struct LinePlot {
     std::string title;    ///< includes the unit of y
     std::string x_label;  ///< what x counts

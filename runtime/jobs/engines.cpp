@@ -10,8 +10,20 @@ namespace fluidcarve {
 
 const std::vector<FarmEngine>& farm_engines() {
     static const std::vector<FarmEngine> engines{
-        {"local", "runs the steps as processes on this machine", "plain", false, {"--processes"}, {}, farm_locally},
-        {"slurm", "writes batch scripts for Slurm", "plain", true, {"--output", "--submit"}, slurm_refusal, farm_slurm},
+        {"local",
+         "runs the steps as processes on this machine",
+         "plain",
+         false,
+         {"--processes"},
+         {},
+         farm_locally},
+        {"slurm",
+         "writes batch scripts for Slurm",
+         "plain",
+         true,
+         {"--output", "--submit"},
+         slurm_refusal,
+         farm_slurm},
         {"openjd",
          "writes a job bundle for Open Job Description, such as AWS Deadline Cloud takes",
          "openjd",

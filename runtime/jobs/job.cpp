@@ -1,7 +1,7 @@
 #include "runtime/jobs/job.h"
 
+#include "carve/base/words.h"
 #include "graph/text/shell_word.h"
-#include "graph/text/words.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,7 +14,8 @@ namespace {
 /// All frames of a step.
 FrameSet frames_of(const FarmStep& step) {
     std::vector<int> out;
-    for (const auto& task : step.tasks) out.insert(out.end(), task.frames.frames().begin(), task.frames.frames().end());
+    for (const auto& task : step.tasks)
+        out.insert(out.end(), task.frames.frames().begin(), task.frames.frames().end());
     return FrameSet(std::move(out));
 }
 
@@ -22,7 +23,8 @@ FrameSet frames_of(const FarmStep& step) {
 std::string text_of(const FarmResources& resources) {
     std::vector<std::string> out;
     if (resources.seconds > 0) out.push_back("about " + duration_text(resources.seconds));
-    if (resources.cores > 0) out.push_back(counted(static_cast<std::size_t>(resources.cores), "core"));
+    if (resources.cores > 0)
+        out.push_back(counted(static_cast<std::size_t>(resources.cores), "core"));
     if (resources.memory > 0) out.push_back("memory " + size_text(resources.memory));
     if (resources.disk > 0) out.push_back("writes " + size_text(resources.disk));
     return fmt::format("{}", fmt::join(out, ", "));
@@ -41,7 +43,8 @@ std::size_t FarmJob::tasks() const {
     return out;
 }
 
-std::vector<std::string> command_of(const FarmJob& job, const FarmStep& step, const FarmTask& task) {
+std::vector<std::string> command_of(const FarmJob& job, const FarmStep& step,
+                                    const FarmTask& task) {
     auto out = job.prefix;
     out.push_back(job.executable);
     out.insert(out.end(), step.arguments.begin(), step.arguments.end());
@@ -54,27 +57,37 @@ std::vector<FarmTask> chunks_of(const FrameSet& frames, std::size_t most) {
     const auto& all = frames.frames();
     for (std::size_t begin = 0; begin < all.size(); begin += most) {
         const auto end = std::min(all.size(), begin + most);
-        out.push_back({FrameSet({all.begin() + static_cast<std::ptrdiff_t>(begin), all.begin() + static_cast<std::ptrdiff_t>(end)})});
+        out.push_back({FrameSet({all.begin() + static_cast<std::ptrdiff_t>(begin),
+                                 all.begin() + static_cast<std::ptrdiff_t>(end)})});
     }
     return out;
 }
 
 std::string to_text(const FarmJob& job) {
-    auto out = fmt::format("{}: {}, {}\n", job.name, counted(job.steps.size(), "step"), counted(job.tasks(), "task"));
+    auto out = fmt::format("{}: {}, {}\n", job.name, counted(job.steps.size(), "step"),
+                           counted(job.tasks(), "task"));
     for (const auto& step : job.steps) {
         out += fmt::format("\n{}: {}\n", step.name, step.what);
-        if (!step.needs.empty()) out += fmt::format("  waits for {}\n", fmt::join(step.needs, ", "));
-        if (step.chunked) out += fmt::format("  frames {} in {}\n", frames_of(step).text(), counted(step.tasks.size(), "task"));
-        out += fmt::format("  a task: {}\n  {}\n", text_of(step.resources), shell_line(command_of(job, step, step.tasks.front())));
+        if (!step.needs.empty())
+            out += fmt::format("  waits for {}\n", fmt::join(step.needs, ", "));
+        if (step.chunked)
+            out += fmt::format("  frames {} in {}\n", frames_of(step).text(),
+                               counted(step.tasks.size(), "task"));
+        out += fmt::format("  a task: {}\n  {}\n", text_of(step.resources),
+                           shell_line(command_of(job, step, step.tasks.front())));
     }
     return out;
 }
 
 nlohmann::ordered_json to_json(const FarmJob& job) {
-    nlohmann::ordered_json out{
-        {"name", job.name}, {"pipeline", job.pipeline}, {"folder", job.folder}, {"again", job.again}, {"steps", nlohmann::ordered_json::array()}};
+    nlohmann::ordered_json out{{"name", job.name},
+                               {"pipeline", job.pipeline},
+                               {"folder", job.folder},
+                               {"again", job.again},
+                               {"steps", nlohmann::ordered_json::array()}};
     for (const auto& step : job.steps) {
-        auto& entry = out["steps"].emplace_back(nlohmann::ordered_json{{"name", step.name}, {"what", step.what}, {"needs", step.needs}});
+        auto& entry = out["steps"].emplace_back(nlohmann::ordered_json{
+            {"name", step.name}, {"what", step.what}, {"needs", step.needs}});
         if (step.chunked) entry["frames"] = frames_of(step).text();
         entry.update({{"tasks", step.tasks.size()},
                       {"cores", step.resources.cores},

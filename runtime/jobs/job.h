@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/types/frames.h"
+#include "carve/base/frame_set.h"
 
 #include <nlohmann/json.hpp>
 
@@ -31,16 +31,17 @@ struct FarmStep {
     std::string what;                    ///< what it does, as a clause
     std::vector<std::string> needs;      ///< names of the steps that must have ended well
     std::vector<std::string> arguments;  ///< words after `fluidcarve`, from `run` on, without -f
-    bool chunked = false;                ///< its tasks have frames of their own, each frame in one task
-    std::vector<FarmTask> tasks;         ///< at least one
-    FarmResources resources;             ///< of its largest task
+    bool chunked = false;         ///< its tasks have frames of their own, each frame in one task
+    std::vector<FarmTask> tasks;  ///< at least one
+    FarmResources resources;      ///< of its largest task
 };
 
 /// A file, sequence or folder that the pipeline reads or writes.
 struct FarmPath {
-    std::string name;     ///< unique in the job: node and field, `sim.path`; `pipeline`, `pipeline 2` and so on, and `work`
-    std::string path;     ///< absolute; of a sequence its folder
-    std::string file;     ///< of a sequence: its name in the folder, with its frame token
+    std::string name;  ///< unique in the job: node and field, `sim.path`; `pipeline`, `pipeline 2`
+                       ///< and so on, and `work`
+    std::string path;  ///< absolute; of a sequence its folder
+    std::string file;  ///< of a sequence: its name in the folder, with its frame token
     bool folder = false;  ///< a folder, and not one file
     bool in = false;      ///< it is read
     bool out = false;     ///< it is written
@@ -48,35 +49,39 @@ struct FarmPath {
 
 /// A run as steps for a farm. It begins in `folder`, on every machine.
 struct FarmJob {
-    std::string name;                 ///< unique in the work folder; the same command makes the same name
-    std::string pipeline;             ///< path of the pipeline file, as it was given
-    std::string folder;               ///< the current folder, absolute
-    std::vector<std::string> prefix;  ///< words before the program: `env SHOT=sh010 rez-env fluidcarve --`
-    std::string executable;           ///< the program
-    std::string work;                 ///< the work folder, absolute
-    std::string again;                ///< the command that makes this job again, for a shell
-    std::vector<FarmStep> steps;      ///< a step stands after those that it needs
-    std::vector<FarmPath> paths;      ///< all that is read and written
+    std::string name;      ///< unique in the work folder; the same command makes the same name
+    std::string pipeline;  ///< path of the pipeline file, as it was given
+    std::string folder;    ///< the current folder, absolute
+    std::vector<std::string>
+        prefix;              ///< words before the program: `env SHOT=sh010 rez-env fluidcarve --`
+    std::string executable;  ///< the program
+    std::string work;        ///< the work folder, absolute
+    std::string again;       ///< the command that makes this job again, for a shell
+    std::vector<FarmStep> steps;  ///< a step stands after those that it needs
+    std::vector<FarmPath> paths;  ///< all that is read and written
 
     /// The step of a name; null: there is none.
     const FarmStep* find(const std::string& step) const;
     std::size_t tasks() const;  ///< of all steps
 };
 
-/// How many frames a task takes. At most one is set; none: tasks of about ten minutes, or of ten frames where nothing was measured.
+/// How many frames a task takes. At most one is set; none: tasks of about ten minutes, or of ten
+/// frames where nothing was measured.
 struct FarmChunking {
     std::optional<std::size_t> frames;  ///< of each task
     std::optional<double> minutes;      ///< wall time of each task, by what earlier runs took
     std::optional<std::size_t> tasks;   ///< of each step
 };
 
-/// The words of a task's command: prefix, program, arguments and frames. These are joined to their option, since they may be negative.
+/// The words of a task's command: prefix, program, arguments and frames. These are joined to their
+/// option, since they may be negative.
 std::vector<std::string> command_of(const FarmJob& job, const FarmStep& step, const FarmTask& task);
 
 /// Splits frames into tasks of at most `most`, in order, each frame in one.
 std::vector<FarmTask> chunks_of(const FrameSet& frames, std::size_t most);
 
-/// The job for people: its steps, what each waits for, its tasks and what they ask for, and the command of its first task.
+/// The job for people: its steps, what each waits for, its tasks and what they ask for, and the
+/// command of its first task.
 std::string to_text(const FarmJob& job);
 /// The job for programs, as pipelines/FORMATS.md says.
 nlohmann::ordered_json to_json(const FarmJob& job);

@@ -1,9 +1,10 @@
 #include "runtime/jobs/job_status.h"
 
-#include "graph/input_file.h"
-#include "graph/output_file.h"
+#include "carve/base/frame_set.h"
+#include "carve/base/words.h"
+#include "formats/file/input_file.h"
+#include "formats/file/output_file.h"
 #include "graph/text/json_text.h"
-#include "graph/text/words.h"
 #include "runtime/keep/work_folder.h"
 #include "runtime/run/forecast.h"
 #include "runtime/run/status.h"
@@ -24,12 +25,16 @@ using Json = nlohmann::ordered_json;
 
 /// Whether a value read from a file has the form that record_job writes.
 bool is_job(const Json& job) {
-    const auto is = [](const Json& of, const char* name, auto type) { return of.contains(name) && (of[name].*type)(); };
-    if (!job.is_object() || !is(job, "name", &Json::is_string) || !is(job, "pipeline", &Json::is_string) || !is(job, "again", &Json::is_string) ||
+    const auto is = [](const Json& of, const char* name, auto type) {
+        return of.contains(name) && (of[name].*type)();
+    };
+    if (!job.is_object() || !is(job, "name", &Json::is_string) ||
+        !is(job, "pipeline", &Json::is_string) || !is(job, "again", &Json::is_string) ||
         !is(job, "engine", &Json::is_string) || !is(job, "steps", &Json::is_array))
         return false;
     return std::ranges::all_of(job["steps"], [&](const Json& step) {
-        return step.is_object() && is(step, "name", &Json::is_string) && is(step, "needs", &Json::is_array) && is(step, "tasks", &Json::is_number_unsigned) &&
+        return step.is_object() && is(step, "name", &Json::is_string) &&
+               is(step, "needs", &Json::is_array) && is(step, "tasks", &Json::is_number_unsigned) &&
                (!step.contains("frames") || is(step, "frames", &Json::is_string));
     });
 }
@@ -51,15 +56,21 @@ bool made_good(const Json& task, const StepStatus& step) {
 std::string state_of(const StepStatus& step, std::size_t wanted, bool chunked) {
     if (chunked ? wanted > 0 && step.frames.size() >= wanted : step.done > 0) return "done";
     if (step.running > 0) return "running";
-    if (std::ranges::any_of(step.failed, [](const auto& each) { return each.second["state"] != "interrupted"; })) return "failed";
+    if (std::ranges::any_of(step.failed,
+                            [](const auto& each) { return each.second["state"] != "interrupted"; }))
+        return "failed";
     if (!step.failed.empty()) return "interrupted";
     return step.done > 0 ? "begun" : "waits";
 }
 
 StepStatus status_of(const std::string& name, bool chunked, const std::vector<Json>& tasks) {
     StepStatus out;
-    const auto called = [](const Json& task) { return fs::path(task["file"].get<std::string>()).stem().string(); };
-    const auto of_step = [&](const Json& task) { return called(task) == name || called(task).starts_with(name + "."); };
+    const auto called = [](const Json& task) {
+        return fs::path(task["file"].get<std::string>()).stem().string();
+    };
+    const auto of_step = [&](const Json& task) {
+        return called(task) == name || called(task).starts_with(name + ".");
+    };
     for (const auto& task : tasks) {
         if (!of_step(task)) continue;
         out.running += task["state"] == "running" ? 1 : 0;
@@ -68,7 +79,8 @@ StepStatus status_of(const std::string& name, bool chunked, const std::vector<Js
         for (const auto frame : task.value("frames", std::vector<int>())) out.frames.insert(frame);
     }
     for (const auto& task : tasks)
-        if (of_step(task) && task["state"] != "running" && task["state"] != "done" && !(chunked && made_good(task, out)))
+        if (of_step(task) && task["state"] != "running" && task["state"] != "done" &&
+            !(chunked && made_good(task, out)))
             out.failed.emplace_back(called(task), task);
     return out;
 }
@@ -82,14 +94,24 @@ Json about(const Json& job, const std::string& folder) {
     for (const auto& step : job["steps"]) {
         std::string fault;
         const bool chunked = step.contains("frames");
-        const auto frames = chunked ? FrameSet::parse(step["frames"].get<std::string>(), fault).value_or(FrameSet()).frames().size() : 0;
+        const auto frames = chunked ? FrameSet::parse(step["frames"].get<std::string>(), fault)
+                                          .value_or(FrameSet())
+                                          .frames()
+                                          .size()
+                                    : 0;
         const auto status = status_of(step["name"], chunked, tasks);
-        auto& entry = out["steps"].emplace_back(Json{{"name", step["name"]}, {"state", state_of(status, frames, chunked)}});
+        auto& entry = out["steps"].emplace_back(
+            Json{{"name", step["name"]}, {"state", state_of(status, frames, chunked)}});
         if (chunked) entry.update({{"frames", status.frames.size()}, {"of_frames", frames}});
-        entry.update({{"tasks_done", status.done}, {"tasks_running", status.running}, {"needs", step["needs"]}});
+        entry.update({{"tasks_done", status.done},
+                      {"tasks_running", status.running},
+                      {"needs", step["needs"]}});
         states.insert(entry["state"]);
         for (const auto& [task, said] : status.failed)
-            out["failures"].push_back({{"task", task}, {"state", said["state"]}, {"host", said["host"]}, {"messages", said.value("faults", Json::array())}});
+            out["failures"].push_back({{"task", task},
+                                       {"state", said["state"]},
+                                       {"host", said["host"]},
+                                       {"messages", said.value("faults", Json::array())}});
     }
     const auto any = [&](const char* state) { return states.contains(state); };
     out["state"] = any("running")       ? "running"
@@ -106,7 +128,9 @@ std::vector<Json> jobs_in(const std::string& work_folder) {
     std::vector<Json> out;
     std::error_code error;
     std::vector<fs::path> folders;
-    for (fs::directory_iterator each(work_folder + "/jobs", error), end; !error && each != end; each.increment(error)) folders.push_back(each->path());
+    for (fs::directory_iterator each(work_folder + "/jobs", error), end; !error && each != end;
+         each.increment(error))
+        folders.push_back(each->path());
     std::ranges::sort(folders);
     for (const auto& folder : folders) {
         const auto job = Json::parse(text_of_own_file(folder / "job.json"), nullptr, false);
@@ -123,23 +147,31 @@ std::string joined(const Json& names) {
 }
 
 std::string text_of(const Json& job) {
-    auto out = fmt::format("{} ({}, {}): {}\n\n", job["job"].get<std::string>(), job["pipeline"].get<std::string>(), job["engine"].get<std::string>(),
+    auto out = fmt::format("{} ({}, {}): {}\n\n", job["job"].get<std::string>(),
+                           job["pipeline"].get<std::string>(), job["engine"].get<std::string>(),
                            job["state"].get<std::string>());
-    std::vector<std::vector<std::string>> rows{{"step", "state", "frames", "of", "running", "waits for"}};
+    std::vector<std::vector<std::string>> rows{
+        {"step", "state", "frames", "of", "running", "waits for"}};
     for (const auto& step : job["steps"]) {
         const bool chunked = step.contains("frames");
-        rows.push_back({step["name"], step["state"], chunked ? step["frames"].dump() : "", chunked ? step["of_frames"].dump() : "",
-                        step["tasks_running"].dump(), joined(step["needs"])});
+        rows.push_back({step["name"], step["state"], chunked ? step["frames"].dump() : "",
+                        chunked ? step["of_frames"].dump() : "", step["tasks_running"].dump(),
+                        joined(step["needs"])});
     }
     out += table(rows);
     for (const auto& failure : job["failures"]) {
         const auto task = failure["task"].get<std::string>();
         const auto& messages = failure["messages"];
-        if (messages.empty()) out += fmt::format("{}: {} on {}\n", failure["state"].get<std::string>(), task, failure["host"].get<std::string>());
+        if (messages.empty())
+            out += fmt::format("{}: {} on {}\n", failure["state"].get<std::string>(), task,
+                               failure["host"].get<std::string>());
         for (const auto& message : messages)
-            out += fmt::format("failed: {}: {}\n", task, message.is_string() ? message.get<std::string>() : json_text(message));
+            out +=
+                fmt::format("failed: {}: {}\n", task,
+                            message.is_string() ? message.get<std::string>() : json_text(message));
     }
-    if (job["state"] != "done") out += fmt::format("to go on, type: {}\n", job["again"].get<std::string>());
+    if (job["state"] != "done")
+        out += fmt::format("to go on, type: {}\n", job["again"].get<std::string>());
     return out;
 }
 

@@ -1,9 +1,9 @@
 #include "runtime/jobs/local.h"
 
-#include "graph/input_file.h"
-#include "graph/output_file.h"
+#include "carve/base/words.h"
+#include "formats/file/input_file.h"
+#include "formats/file/output_file.h"
 #include "graph/text/shell_word.h"
-#include "graph/text/words.h"
 #include "runtime/run/status.h"
 #include "runtime/tell/exit_codes.h"
 #include "runtime/tell/terminal.h"
@@ -47,7 +47,8 @@ struct StepState {
     bool hopeless = false;  ///< a step that it needs failed, so that it never starts
 };
 
-/// Starts a command in a process group of its own, all that it prints going to a file. @throws Failure
+/// Starts a command in a process group of its own, all that it prints going to a file.
+/// @throws Failure
 pid_t start(const std::vector<std::string>& words, const std::string& log) {
     std::vector<char*> arguments;
     for (const auto& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -91,18 +92,22 @@ std::vector<std::string> failures_in(const std::string& log) {
 /// The tasks of a job, from the first to the last.
 class LocalFarm {
 public:
-    LocalFarm(const FarmJob& job, const FarmRequest& request) : job_(job), request_(request), states_(job.steps.size()) {}
+    LocalFarm(const FarmJob& job, const FarmRequest& request)
+        : job_(job), request_(request), states_(job.steps.size()) {}
 
     int run() {
         const auto start = Clock::now();
         while (true) {
             if (request_.cancelled()) return stop();
-            while (running_.size() < static_cast<std::size_t>(request_.processes) && begin_next()) {}
+            while (running_.size() < static_cast<std::size_t>(request_.processes) && begin_next()) {
+            }
             if (running_.empty()) break;
             if (!look()) std::this_thread::sleep_for(between_looks);
         }
         if (code_ != exit_code::done) return tell_rest();
-        say(fmt::format("done: {} in {}", counted(done_, "task"), duration_text(std::chrono::duration<double>(Clock::now() - start).count())));
+        say(fmt::format(
+            "done: {} in {}", counted(done_, "task"),
+            duration_text(std::chrono::duration<double>(Clock::now() - start).count())));
         return exit_code::done;
     }
 
@@ -122,7 +127,8 @@ private:
             const auto& needs = job_.steps[step].needs;
             if (std::ranges::find(needs, job_.steps[other].name) == needs.end()) continue;
             if (states_[other].failed) state.failed = state.hopeless = true;
-            if (states_[other].failed || states_[other].done < job_.steps[other].tasks.size()) return false;
+            if (states_[other].failed || states_[other].done < job_.steps[other].tasks.size())
+                return false;
         }
         return true;
     }
@@ -135,14 +141,16 @@ private:
             return begin(task.step, task.task), true;
         }
         for (std::size_t step = 0; step < states_.size(); ++step)
-            if (states_[step].next < job_.steps[step].tasks.size() && ready(step)) return begin(step, states_[step].next++), true;
+            if (states_[step].next < job_.steps[step].tasks.size() && ready(step))
+                return begin(step, states_[step].next++), true;
         return false;
     }
 
     void begin(std::size_t step, std::size_t task) {
         Running running{step, task, 0, {}, Clock::now()};
         const auto words = command_of(job_, job_.steps[step], job_.steps[step].tasks[task]);
-        running.log = fmt::format("{}/logs/{}.log", job_folder(job_.work, job_.name), name(running));
+        running.log =
+            fmt::format("{}/logs/{}.log", job_folder(job_.work, job_.name), name(running));
         OutputFile::write(running.log, "$ " + shell_line(words) + "\n");
         running.process = start(words, running.log);
         running_.push_back(std::move(running));
@@ -171,20 +179,29 @@ private:
             ++state.done;
             ++done_;
             const auto seconds = std::chrono::duration<double>(Clock::now() - task.start).count();
-            return say(fmt::format("{}: done in {}, {} of {}", name(task), duration_text(seconds), done_, counted(job_.tasks(), "task")));
+            return say(fmt::format("{}: done in {}, {} of {}", name(task), duration_text(seconds),
+                                   done_, counted(job_.tasks(), "task")));
         }
         const auto once = std::pair(task.step, task.task);
         if (WIFSIGNALED(status) && std::ranges::find(repeated_, once) == repeated_.end()) {
             repeated_.push_back(once);
             again_.push_back(task);
-            return tell(fmt::format("warning: {}: killed by signal {}; runs again", name(task), WTERMSIG(status)));
+            return tell(fmt::format("warning: {}: killed by signal {}; runs again", name(task),
+                                    WTERMSIG(status)));
         }
         state.failed = true;
         const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-        if (code_ == exit_code::done) code_ = code > exit_code::interrupted || code == not_started ? exit_code::node_failed : code;
-        for (const auto& failure : WIFSIGNALED(status) ? std::vector{fmt::format("killed by signal {}", WTERMSIG(status))} : failures_in(task.log))
-            tell(
-                fmt::format("failed: {}: {}", name(task), code == not_started ? "cannot run " + command_of(job_, job_.steps[task.step], {}).front() : failure));
+        if (code_ == exit_code::done)
+            code_ = code > exit_code::interrupted || code == not_started ? exit_code::node_failed
+                                                                         : code;
+        for (const auto& failure :
+             WIFSIGNALED(status) ? std::vector{fmt::format("killed by signal {}", WTERMSIG(status))}
+                                 : failures_in(task.log))
+            tell(fmt::format(
+                "failed: {}: {}", name(task),
+                code == not_started
+                    ? "cannot run " + command_of(job_, job_.steps[task.step], {}).front()
+                    : failure));
         tell(fmt::format("  its log: {}", task.log));
     }
 
@@ -193,7 +210,8 @@ private:
         std::vector<std::string> left;
         for (std::size_t step = 0; step < states_.size(); ++step)
             if (ready(step), states_[step].hopeless) left.push_back(job_.steps[step].name);
-        if (!left.empty()) tell(fmt::format("not run, since they need what failed: {}", fmt::join(left, ", ")));
+        if (!left.empty())
+            tell(fmt::format("not run, since they need what failed: {}", fmt::join(left, ", ")));
         tell("to go on, mend it and type: " + job_.again);
         return code_;
     }
@@ -209,13 +227,16 @@ private:
     const FarmRequest& request_;
     std::vector<StepState> states_;
     std::vector<Running> running_, again_;
-    std::vector<std::pair<std::size_t, std::size_t>> repeated_;  ///< tasks that have run again, by step and task
+    std::vector<std::pair<std::size_t, std::size_t>>
+        repeated_;  ///< tasks that have run again, by step and task
     std::size_t done_ = 0;
     int code_ = exit_code::done;
 };
 
 }  // namespace
 
-int farm_locally(const FarmJob& job, const FarmRequest& request) { return LocalFarm(job, request).run(); }
+int farm_locally(const FarmJob& job, const FarmRequest& request) {
+    return LocalFarm(job, request).run();
+}
 
 }  // namespace fluidcarve

@@ -1,6 +1,8 @@
 #include "runtime/jobs/plan_farm.h"
 
-#include "graph/text/words.h"
+#include "carve/base/frame_set.h"
+#include "carve/base/words.h"
+#include "formats/file/path_pattern.h"
 #include "graph/views/file_places.h"
 #include "runtime/keep/content_hash.h"
 #include "runtime/keep/work_folder.h"
@@ -21,12 +23,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t frames_unmeasured = 10;                      ///< of a task, if nothing was measured
-constexpr double minutes_wanted = 10;                              ///< of a task, if nothing else is asked for
-constexpr std::uint64_t program_bytes = std::uint64_t{256} << 20;  ///< memory of a run besides its data
+constexpr std::size_t frames_unmeasured = 10;  ///< of a task, if nothing was measured
+constexpr double minutes_wanted = 10;          ///< of a task, if nothing else is asked for
+constexpr std::uint64_t program_bytes = std::uint64_t{256}
+                                        << 20;  ///< memory of a run besides its data
 constexpr double memory_margin = 1.25;
 
-std::string absolute(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
+std::string absolute(const std::string& path) {
+    return fs::absolute(path).lexically_normal().string();
+}
 
 /// Most frames of a task.
 std::size_t frames_of_task(const RunStep& step, const FarmChunking& chunking) {
@@ -35,7 +40,8 @@ std::size_t frames_of_task(const RunStep& step, const FarmChunking& chunking) {
     if (chunking.tasks) return (all + *chunking.tasks - 1) / *chunking.tasks;
     const auto one = step.cost(1), whole = step.cost(all);
     if (!whole.all_measured) return frames_unmeasured;
-    const auto each = all > 1 ? (whole.seconds - one.seconds) / static_cast<double>(all - 1) : one.seconds;
+    const auto each =
+        all > 1 ? (whole.seconds - one.seconds) / static_cast<double>(all - 1) : one.seconds;
     const auto wanted = chunking.minutes.value_or(minutes_wanted) * 60 - (one.seconds - each);
     if (!(each > 0) || wanted >= each * static_cast<double>(all)) return all;
     const auto most = static_cast<std::size_t>(std::max(1.0, std::floor(wanted / each)));
@@ -45,7 +51,11 @@ std::size_t frames_of_task(const RunStep& step, const FarmChunking& chunking) {
 }
 
 FarmResources resources_of(const RunCost& cost) {
-    const auto memory = cost.memory == 0 ? 0 : static_cast<std::uint64_t>(memory_margin * static_cast<double>(cost.memory)) + program_bytes;
+    const auto memory =
+        cost.memory == 0
+            ? 0
+            : static_cast<std::uint64_t>(memory_margin * static_cast<double>(cost.memory)) +
+                  program_bytes;
     return {cost.cores, memory, cost.disk, cost.all_measured ? cost.seconds : 0};
 }
 
@@ -53,23 +63,32 @@ FarmResources resources_of(const RunCost& cost) {
 std::vector<FarmPath> paths_of(const Pipeline& pipeline, const std::string& work) {
     std::vector<FarmPath> out;
     for (std::size_t n = 0; n < pipeline.files.size(); ++n)
-        out.push_back({n == 0 ? "pipeline" : fmt::format("pipeline {}", n + 1), absolute(pipeline.files[n]), {}, false, true, false});
+        out.push_back({n == 0 ? "pipeline" : fmt::format("pipeline {}", n + 1),
+                       absolute(pipeline.files[n]),
+                       {},
+                       false,
+                       true,
+                       false});
     std::set<std::string> plugins;
     for (const auto& [type, file] : pipeline.plugins) plugins.insert(absolute(file));
     for (const auto& file : plugins) out.push_back({"plugin", file, {}, false, true, false});
     for (const auto& place : file_places(pipeline)) {
         // The place of an input that is not where the pipeline lies is the other one.
-        const PathPattern pattern(place.writes || place.found || place.tried_at.empty() ? place.path : place.tried_at);
+        const PathPattern pattern(
+            place.writes || place.found || place.tried_at.empty() ? place.path : place.tried_at);
         fs::path path = pattern.text(), file;
-        for (; PathPattern(path.string()).per_frame(); path = path.parent_path()) file = file.empty() ? path.filename() : path.filename() / file;
-        out.push_back({place.node + "." + place.field, path.string(), file.string(), !file.empty(), !place.writes, place.writes});
+        for (; PathPattern(path.string()).per_frame(); path = path.parent_path())
+            file = file.empty() ? path.filename() : path.filename() / file;
+        out.push_back({place.node + "." + place.field, path.string(), file.string(), !file.empty(),
+                       !place.writes, place.writes});
     }
     out.push_back({"work", work, {}, true, true, true});
     return out;
 }
 
 /// A name that the same command gives to the same job, and another one to another.
-std::string name_of(const FarmJob& job, const FarmCommand& command, const std::vector<RunStep>& steps) {
+std::string name_of(const FarmJob& job, const FarmCommand& command,
+                    const std::vector<RunStep>& steps) {
     ContentHash hash;
     hash.text(job.folder);
     for (const auto& [variable, value] : command.environment) hash.text(variable).text(value);
@@ -84,7 +103,8 @@ std::string name_of(const FarmJob& job, const FarmCommand& command, const std::v
 
 }  // namespace
 
-std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const FarmChunking& chunking,
+std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& registry,
+                                 const RunRequest& request, const FarmChunking& chunking,
                                  const FarmCommand& command) {
     Report report(pipeline);
     // Without the work folder no input is hashed: the steps are the same, whatever is in it.
@@ -95,8 +115,13 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
         for (const auto& warning : report.warnings()) tell("warning: " + warning);
     for (const auto* faults : {&prepared.inputs().missing, &prepared.inputs().clashes})
         for (const auto& fault : *faults) tell("failed: " + to_text(fault));
-    if (!prepared.inputs().missing.empty() || !prepared.inputs().clashes.empty()) return std::nullopt;
-    if (prepared.frames().empty()) return tell("failed: no frame is left: every frame lacks a file of a reader with `missing: skip`"), std::nullopt;
+    if (!prepared.inputs().missing.empty() || !prepared.inputs().clashes.empty())
+        return std::nullopt;
+    if (prepared.frames().empty())
+        return tell(
+                   "failed: no frame is left: every frame lacks a file of a reader with `missing: "
+                   "skip`"),
+               std::nullopt;
 
     const History history(request.options.work_folder, pipeline.name);
     const auto steps = steps_of(pipeline, registry, prepared, history, request.options);
@@ -104,7 +129,8 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
     out.pipeline = pipeline.name;
     out.folder = fs::current_path().string();
     if (!command.environment.empty()) out.prefix.emplace_back("env");
-    for (const auto& [variable, value] : command.environment) out.prefix.push_back(fmt::format("{}={}", variable, value));
+    for (const auto& [variable, value] : command.environment)
+        out.prefix.push_back(fmt::format("{}={}", variable, value));
     out.prefix.insert(out.prefix.end(), command.prefix.begin(), command.prefix.end());
     out.executable = command.executable;
     out.work = request.options.work_folder;
@@ -119,21 +145,29 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
         added.what = step.what;
         added.chunked = step.chunked;
         for (const auto need : step.needs) added.needs.push_back(steps[need].name);
-        added.tasks = step.chunked ? chunks_of(FrameSet(step.frames), frames_of_task(step, chunking)) : std::vector<FarmTask>(1);
+        added.tasks = step.chunked
+                          ? chunks_of(FrameSet(step.frames), frames_of_task(step, chunking))
+                          : std::vector<FarmTask>(1);
         added.resources = resources_of(step.cost(added.tasks.front().frames.frames().size()));
         added.arguments = command.pipeline;
-        added.arguments.insert(added.arguments.end(), command.options.begin(), command.options.end());
-        added.arguments.insert(added.arguments.end(), {step.wish.only ? "--only" : "--to", step.wish.to, "--task", out.name + "/" + step.name});
+        added.arguments.insert(added.arguments.end(), command.options.begin(),
+                               command.options.end());
+        added.arguments.insert(added.arguments.end(),
+                               {step.wish.only ? "--only" : "--to", step.wish.to, "--task",
+                                out.name + "/" + step.name});
         const auto whole = step.cost(step.frames.size());
         kept += whole.disk;
         if (step.chunked && !whole.all_measured) unmeasured.push_back(step.name);
     }
     if (chunking.minutes && !unmeasured.empty())
-        tell(fmt::format("warning: --minutes {}: nobody measured yet how long a frame takes in {}; {} a task", *chunking.minutes, fmt::join(unmeasured, ", "),
-                         counted(frames_unmeasured, "frame")));
+        tell(fmt::format(
+            "warning: --minutes {}: nobody measured yet how long a frame takes in {}; {} a task",
+            *chunking.minutes, fmt::join(unmeasured, ", "), counted(frames_unmeasured, "frame")));
     if (kept > request.options.cache_size)
-        tell(fmt::format("warning: the steps write about {}, more than --cache-size ({}): a task may find removed what another has made; raise --cache-size",
-                         size_text(kept), size_text(request.options.cache_size)));
+        tell(
+            fmt::format("warning: the steps write about {}, more than --cache-size ({}): a task "
+                        "may find removed what another has made; raise --cache-size",
+                        size_text(kept), size_text(request.options.cache_size)));
     return out;
 }
 

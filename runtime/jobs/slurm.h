@@ -8,15 +8,18 @@
 
 namespace fluidcarve {
 
-/// A job as batch scripts for Slurm: one for each step, `STEP.sbatch`, and `submit`, which hands them to sbatch. A step is an array with a
-/// task for each chunk of frames; it starts once all tasks of the steps that it needs have ended well, and is cancelled when that can't be
-/// any more. A task that fails is started again twice, one whose machine fell out as often as that happens.
+/// A job as batch scripts for Slurm: one for each step, `STEP.sbatch`, and `submit`, which hands
+/// them to sbatch. A step is an array with a task for each chunk of frames; it starts once all
+/// tasks of the steps that it needs have ended well, and is cancelled when that can't be any more.
+/// A task that fails is started again twice, one whose machine fell out as often as that happens.
 std::vector<JobFile> slurm_files(const FarmJob& job);
 
 /// Why the job can't be submitted: there is no sbatch.
 std::string slurm_refusal(const FarmRequest& request);
 
-/// Writes the scripts into a folder. With `submit` it runs `submit` there. @return an exit code @throws Failure if the folder can't be written to
+/// Writes the scripts into a folder. With `submit` it runs `submit` there.
+/// @return an exit code
+/// @throws Failure if the folder can't be written to
 int farm_slurm(const FarmJob& job, const FarmRequest& request);
 
 }  // namespace fluidcarve

@@ -1,9 +1,9 @@
 #include "runtime/keep/cache.h"
 
-#include "graph/confinement.h"
-#include "graph/output_file.h"
+#include "carve/base/failure.h"
+#include "formats/file/confinement.h"
+#include "formats/file/output_file.h"
 #include "graph/text/json_text.h"
-#include "graph/text/problem.h"
 #include "runtime/keep/descriptor.h"
 #include "runtime/keep/entry_header.h"
 #include "runtime/keep/work_folder.h"
@@ -31,10 +31,13 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// An output buffer whose bytes can be used without a copy, unlike those of a string stream. It grows by parts, so that none moves.
+/// An output buffer whose bytes can be used without a copy, unlike those of a string stream. It
+/// grows by parts, so that none moves.
 class Bytes : public std::streambuf {
 public:
-    std::size_t size() const { return parts_.empty() ? 0 : (parts_.size() - 1) * part_size + parts_.back().size(); }
+    std::size_t size() const {
+        return parts_.empty() ? 0 : (parts_.size() - 1) * part_size + parts_.back().size();
+    }
     const std::vector<std::vector<char>>& parts() const { return parts_; }
 
 protected:
@@ -45,7 +48,8 @@ protected:
     }
     std::streamsize xsputn(const char* from, std::streamsize count) override {
         for (auto left = static_cast<std::size_t>(count); left > 0;) {
-            if (parts_.empty() || parts_.back().size() == part_size) parts_.emplace_back().reserve(part_size);
+            if (parts_.empty() || parts_.back().size() == part_size)
+                parts_.emplace_back().reserve(part_size);
             auto& part = parts_.back();
             const auto some = std::min(left, part_size - part.size());
             part.insert(part.end(), from, from + some);
@@ -54,8 +58,10 @@ protected:
         }
         return count;
     }
-    pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
-        return from == std::ios_base::cur && offset == 0 ? pos_type(static_cast<off_type>(size())) : pos_type(off_type(-1));
+    pos_type seekoff(off_type offset, std::ios_base::seekdir from,
+                     std::ios_base::openmode) override {
+        return from == std::ios_base::cur && offset == 0 ? pos_type(static_cast<off_type>(size()))
+                                                         : pos_type(off_type(-1));
     }
 
 private:
@@ -69,13 +75,19 @@ public:
     View(char* data, std::size_t size) { setg(data, data, data + size); }
 
 protected:
-    pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
-        char* const at = (from == std::ios_base::beg ? eback() : from == std::ios_base::cur ? gptr() : egptr()) + offset;
+    pos_type seekoff(off_type offset, std::ios_base::seekdir from,
+                     std::ios_base::openmode) override {
+        char* const at = (from == std::ios_base::beg   ? eback()
+                          : from == std::ios_base::cur ? gptr()
+                                                       : egptr()) +
+                         offset;
         if (at < eback() || at > egptr()) return pos_type(off_type(-1));
         setg(eback(), at, egptr());
         return pos_type(at - eback());
     }
-    pos_type seekpos(pos_type at, std::ios_base::openmode which) override { return seekoff(off_type(at), std::ios_base::beg, which); }
+    pos_type seekpos(pos_type at, std::ios_base::openmode which) override {
+        return seekoff(off_type(at), std::ios_base::beg, which);
+    }
 };
 
 template <class T>
@@ -87,12 +99,17 @@ void append(std::vector<char>& to, const T& value) {
 }  // namespace
 
 Cache::Cache(const Registry& registry, std::string folder, std::size_t packed)
-    : registry_(registry), work_folder_(folder), folder_(folder.empty() ? folder : folder + "/cache"), packed_(packed), packs_(folder_) {}
+    : registry_(registry),
+      work_folder_(folder),
+      folder_(folder.empty() ? folder : folder + "/cache"),
+      packed_(packed),
+      packs_(folder_) {}
 
 std::string Cache::path_of(const Key& key) const { return folder_ + "/" + key.path(); }
 
 void Cache::touch(const Key& key) const {
-    if (on() && key && utimensat(AT_FDCWD, path_of(key).c_str(), nullptr, 0) != 0) packs_.touch(key);
+    if (on() && key && utimensat(AT_FDCWD, path_of(key).c_str(), nullptr, 0) != 0)
+        packs_.touch(key);
 }
 
 std::optional<Json> Cache::look(const Key& key) const {
@@ -125,7 +142,8 @@ std::optional<Cache::Read> Cache::read(const Key& key) {
         std::uint64_t size = 0;
         if (!entry_header(file.number, size)) return remove_damaged(key), std::nullopt;
         bytes.resize(size);
-        if (lseek(file.number, 0, SEEK_SET) != 0 || !read_entry(file.number, bytes.data(), size)) return remove_damaged(key), std::nullopt;
+        if (lseek(file.number, 0, SEEK_SET) != 0 || !read_entry(file.number, bytes.data(), size))
+            return remove_damaged(key), std::nullopt;
     } else if (auto packed = packs_.read(key)) {
         bytes = std::move(*packed);
     } else {
@@ -134,7 +152,8 @@ std::optional<Cache::Read> Cache::read(const Key& key) {
     auto header = entry_header(bytes, bytes.size());
     if (!header) return remove_damaged(key), std::nullopt;
     const auto sealed = bytes.size() - entry_seal;
-    if (entry_checksum({bytes.data(), sealed}) != number_at<Key>(bytes.data() + sealed)) return remove_damaged(key), std::nullopt;
+    if (entry_checksum({bytes.data(), sealed}) != number_at<Key>(bytes.data() + sealed))
+        return remove_damaged(key), std::nullopt;
     const auto body = entry_prefix + number_at<std::uint64_t>(bytes.data() + 16);
     return Read{std::move(*header), std::move(bytes), body};
 }
@@ -153,10 +172,14 @@ std::optional<Cache::Entry> Cache::load(const Key& key) {
                 continue;
             }
             const auto& types = registry_.payloads();
-            const auto type = std::find_if(types.begin(), types.end(), [&](const PayloadType& each) { return output.at("type") == each.name; });
-            if (type == types.end() || !type->read || type->version != output.at("version")) return std::nullopt;
+            const auto type = std::find_if(
+                types.begin(), types.end(),
+                [&](const PayloadType& each) { return output.at("type") == each.name; });
+            if (type == types.end() || !type->read || type->version != output.at("version"))
+                return std::nullopt;
             const auto length = output.at("bytes").get<std::uint64_t>();
-            if (length > file->bytes.size() - entry_seal - at) return remove_damaged(key), std::nullopt;
+            if (length > file->bytes.size() - entry_seal - at)
+                return remove_damaged(key), std::nullopt;
             View view(file->bytes.data() + at, length);
             std::istream in(&view);
             in.exceptions(std::ios::badbit);
@@ -186,7 +209,8 @@ bool Cache::store(const Key& key, Json header, const std::vector<Payload>& outpu
             const auto& type = registry_.payload(output.type());
             const auto begin = body.size();
             type.write(output, out);
-            header["outputs"].push_back({{"type", type.name}, {"version", type.version}, {"bytes", body.size() - begin}});
+            header["outputs"].push_back(
+                {{"type", type.name}, {"version", type.version}, {"bytes", body.size() - begin}});
         }
         const auto text = json_text(header);
         std::vector<char> head(entry_magic.begin(), entry_magic.end()), seal;
@@ -201,7 +225,8 @@ bool Cache::store(const Key& key, Json header, const std::vector<Payload>& outpu
         append(seal, hash.digest());
         parts.emplace_back(seal);
         // What has a file stays in it: a file is found before a record.
-        if (head.size() + body.size() + seal.size() <= packed_ && access(path_of(key).c_str(), F_OK) != 0) {
+        if (head.size() + body.size() + seal.size() <= packed_ &&
+            access(path_of(key).c_str(), F_OK) != 0) {
             std::vector<char> record;
             for (const auto& part : parts) record.insert(record.end(), part.begin(), part.end());
             packs_.add(key, record);
@@ -209,7 +234,8 @@ bool Cache::store(const Key& key, Json header, const std::vector<Payload>& outpu
         }
         OutputFile file(path_of(key));
         std::ofstream stream(file.aside(), std::ios::binary);
-        for (const auto& part : parts) stream.write(part.data(), static_cast<std::streamsize>(part.size()));
+        for (const auto& part : parts)
+            stream.write(part.data(), static_cast<std::streamsize>(part.size()));
         file.commit(stream);
         return true;
     } catch (const std::exception& error) {
@@ -237,7 +263,8 @@ void Cache::look_again() {
 void Cache::note(const Key& key, int error) const {
     if (error == 0 || error == ENOENT) return;
     const std::lock_guard lock(mutex_);
-    if (unread_.empty()) unread_ = fmt::format("cannot read {}: {}", path_of(key), std::strerror(error));
+    if (unread_.empty())
+        unread_ = fmt::format("cannot read {}: {}", path_of(key), std::strerror(error));
 }
 
 std::string Cache::unread() const {
@@ -260,7 +287,9 @@ Cache::Trimmed Cache::trim(std::uint64_t most_bytes) const {
     std::error_code gone;
     for (const auto& file : folder.outdated()) fs::remove(file, gone);
     std::sort(entries.begin(), entries.end(),
-              [](const WorkFolder::Entry& a, const WorkFolder::Entry& b) { return std::tie(a.used, a.path) < std::tie(b.used, b.path); });
+              [](const WorkFolder::Entry& a, const WorkFolder::Entry& b) {
+                  return std::tie(a.used, a.path) < std::tie(b.used, b.path);
+              });
     for (const auto& entry : entries) {
         if (out.left <= most_bytes) break;
         if (!WorkFolder::is_entry(entry.path)) continue;

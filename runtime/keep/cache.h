@@ -15,13 +15,14 @@
 
 namespace fluidcarve {
 
-/// The entries of a work folder, found by their keys alone: the cache knows files, but no nodes (Store). A large entry is a file, named by
-/// its key. It is written to a temporary file with a checksum and then renamed. Small entries lie many to a file (Packs). So any number
-/// of processes, on one machine or several, may share a folder without locks; they may compute the same result twice, but never damage
-/// an entry.
+/// The entries of a work folder, found by their keys alone: the cache knows files, but no nodes
+/// (Store). A large entry is a file, named by its key. It is written to a temporary file with a
+/// checksum and then renamed. Small entries lie many to a file (Packs). So any number of processes,
+/// on one machine or several, may share a folder without locks; they may compute the same result
+/// twice, but never damage an entry.
 ///
-/// An entry has a header, a JSON object set by the caller, and perhaps payloads. `store` adds {"outputs": [...]} to the header of an
-/// entry with payloads.
+/// An entry has a header, a JSON object set by the caller, and perhaps payloads. `store` adds
+/// {"outputs": [...]} to the header of an entry with payloads.
 class Cache {
 public:
     struct Entry {
@@ -37,23 +38,26 @@ public:
 
     bool on() const { return !folder_.empty(); }
     const Registry& registry() const { return registry_; }
-    /// Reads only the header of an entry. Nothing if there is no entry, or its header or file size is damaged.
+    /// Reads only the header of an entry. Nothing if there is no entry, or its header or file size
+    /// is damaged.
     std::optional<nlohmann::ordered_json> look(const Key& key) const;
     /// Makes later calls find what other processes have stored meanwhile.
     void look_again();
     /// Marks an entry as used now, for `trim`.
     void touch(const Key& key) const;
-    /// Reads an entry and checks every byte. Nothing if there is no entry, or it is damaged; a damaged entry is removed, or no longer found
-    /// in its pack.
+    /// Reads an entry and checks every byte. Nothing if there is no entry, or it is damaged; a
+    /// damaged entry is removed, or no longer found in its pack.
     std::optional<Entry> load(const Key& key);
     /// Whether there is an entry with every byte intact; a damaged entry is removed.
     bool whole(const Key& key);
-    /// Writes an entry. @return false if it can't be written; later calls then store nothing, and `fault` says why
+    /// Writes an entry.
+    /// @return false if it can't be written; later calls then store nothing, and `fault` says why
     bool store(const Key& key, nlohmann::ordered_json header, const std::vector<Payload>& outputs);
     /// To be called when nothing more is stored. What the system has lost of it is then a fault.
     void finish();
     std::string fault() const;
-    /// Why entries that may be there are not found: what the system refused first, with the path. Empty: nothing.
+    /// Why entries that may be there are not found: what the system refused first, with the path.
+    /// Empty: nothing.
     std::string unread() const;
     /// Number of damaged entries found so far.
     std::size_t damaged() const { return damaged_ + packs_.damaged(); }
@@ -63,8 +67,9 @@ public:
         std::size_t files = 0;              ///< entries and packs
         std::uint64_t bytes = 0, left = 0;  ///< bytes of removed files, and of those that remain
     };
-    /// Removes the least recently used entries, a pack as one, until at most `most_bytes` are left, and what is outdated (WorkFolder). Removes nothing from a
-    /// folder that is no work folder of fluidcarve.
+    /// Removes the least recently used entries, a pack as one, until at most `most_bytes` are left,
+    /// and what is outdated (WorkFolder). Removes nothing from a folder that is no work folder of
+    /// fluidcarve.
     Trimmed trim(std::uint64_t most_bytes) const;
 
 private:

@@ -35,7 +35,9 @@ ContentHash& ContentHash::bytes(const void* data, std::size_t size) {
     return *this;
 }
 
-ContentHash& ContentHash::text(std::string_view text) { return number(text.size()).bytes(text.data(), text.size()); }
+ContentHash& ContentHash::text(std::string_view text) {
+    return number(text.size()).bytes(text.data(), text.size());
+}
 
 ContentHash& ContentHash::number(std::uint64_t number) { return bytes(&number, sizeof number); }
 

@@ -17,7 +17,8 @@ struct Key {
     auto operator<=>(const Key&) const = default;
     /// The key as 32 hex digits.
     std::string text() const;
-    /// The path of a file named by the key, below the folder of its kind: two of the digits, `/`, the other 30.
+    /// The path of a file named by the key, below the folder of its kind: two of the digits, `/`,
+    /// the other 30.
     std::string path() const;
     /// Reads the result of `text`. Any other text gives the zero key.
     static Key parse(std::string_view text);

@@ -12,7 +12,8 @@ std::vector<std::string> named_files(const Node& node, int frame) {
         const auto& path = spec.path(node.params.get());
         if (!path.text().empty()) out.push_back(path.at(frame));
     }
-    if (node.type->depends) std::ranges::move(node.type->depends(node.params.get()).files, std::back_inserter(out));
+    if (node.type->depends)
+        std::ranges::move(node.type->depends(node.params.get()).files, std::back_inserter(out));
     return out;
 }
 
@@ -25,17 +26,25 @@ Dependencies::OfNode Dependencies::of(std::size_t n) const {
         out.plugin = content ? content->key : Key{};
     }
     for (const auto& param : type.params) {
-        if (param.shape.kind == Shape::Kind::input_path || param.shape.kind == Shape::Kind::output_path) continue;
+        if (param.shape.kind == Shape::Kind::input_path ||
+            param.shape.kind == Shape::Kind::output_path)
+            continue;
         const auto text = param.text(node.params.get());
-        const bool grows = type.growth && type.growth->param == param.name, either_way = type.growth && type.growth->best_effort == param.name;
-        out.params.push_back({param.name, text, either_way ? std::nullopt : std::optional(grows ? type.growth->rest(node.params.get()) : text)});
+        const bool grows = type.growth && type.growth->param == param.name,
+                   either_way = type.growth && type.growth->best_effort == param.name;
+        out.params.push_back(
+            {param.name, text,
+             either_way ? std::nullopt
+                        : std::optional(grows ? type.growth->rest(node.params.get()) : text)});
     }
     if (type.depends)
-        if (const auto version = type.depends(node.params.get()).version; !version.empty()) out.params.push_back({"VERSION", version, version});
+        if (const auto version = type.depends(node.params.get()).version; !version.empty())
+            out.params.push_back({"VERSION", version, version});
     for (std::size_t i = 0; i < node.inputs.size(); ++i)
         for (std::size_t l = 0; l < node.inputs[i].size(); ++l) {
             const auto& link = node.inputs[i][l];
-            out.inputs.push_back({type.inputs[i].name, node.input_names[i][l], link.node, taken_by(pipeline_, link)});
+            out.inputs.push_back({type.inputs[i].name, node.input_names[i][l], link.node,
+                                  taken_by(pipeline_, link)});
         }
     return out;
 }
@@ -48,11 +57,15 @@ int Dependencies::read_frame(std::size_t n, std::size_t place) const {
     return other == of_node->second.end() ? frame : other->second;
 }
 
-std::vector<std::string> Dependencies::files(std::size_t n, std::size_t place) const { return named_files(pipeline_.nodes[n], read_frame(n, place)); }
+std::vector<std::string> Dependencies::files(std::size_t n, std::size_t place) const {
+    return named_files(pipeline_.nodes[n], read_frame(n, place));
+}
 
 std::vector<std::string> Dependencies::watched_files(std::size_t n, std::size_t place) const {
     auto out = files(n, place);
-    if (read_frame(n, place) != frames().at(place)) std::ranges::move(named_files(pipeline_.nodes[n], frames().at(place)), std::back_inserter(out));
+    if (read_frame(n, place) != frames().at(place))
+        std::ranges::move(named_files(pipeline_.nodes[n], frames().at(place)),
+                          std::back_inserter(out));
     return out;
 }
 

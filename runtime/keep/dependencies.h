@@ -13,48 +13,55 @@
 
 namespace fluidcarve {
 
-/// Paths of the files that a node reads for a frame, given by its number: those that its parameters name, and its Further::files.
+/// Paths of the files that a node reads for a frame, given by its number: those that its parameters
+/// name, and its Further::files.
 std::vector<std::string> named_files(const Node& node, int frame);
 
-/// What the results of a pipeline's nodes depend on. Cache keys are hashes of it (Keys), and by it a run can say what changed since the
-/// last one (History). Thread-safe.
+/// What the results of a pipeline's nodes depend on. Cache keys are hashes of it (Keys), and by it
+/// a run can say what changed since the last one (History). Thread-safe.
 class Dependencies {
 public:
     /// A parameter. Paths are no dependencies: what is in the files counts.
     struct Param {
         std::string name, text;
-        /// The part that belongs to the cache key: all of it, except the count of a growing result (Growth::rest); nothing of Growth::best_effort.
+        /// The part that belongs to the cache key: all of it, except the count of a growing result
+        /// (Growth::rest); nothing of Growth::best_effort.
         std::optional<std::string> rest;
     };
     /// A connected input; one of a list is a dependency of its own.
     struct Input {
         std::string name, link_name;  ///< names of the port, and of the link at a named input
         std::size_t source = 0;       ///< the node that it reads
-        std::string output;           ///< name of the source's output, or of the part of its first one
+        std::string output;  ///< name of the source's output, or of the part of its first one
     };
     /// What does not differ from frame to frame.
     struct OfNode {
         std::string type;
         int version = 1;
-        std::optional<Key> plugin;  ///< hash of the plugin file that declares the type, whose author may have forgotten to raise the version
+        std::optional<Key> plugin;  ///< hash of the plugin file that declares the type, whose
+                                    ///< author may have forgotten to raise the version
         std::vector<Param> params;  ///< with a Further::version as `VERSION`
         std::vector<Input> inputs;
     };
 
     /// @param stands_in  per node: frame to the frame whose file it uses instead of its own
-    Dependencies(const Pipeline& pipeline, const Timelines& timelines, const std::map<std::size_t, std::map<int, int>>& stands_in, FileHashes& files)
+    Dependencies(const Pipeline& pipeline, const Timelines& timelines,
+                 const std::map<std::size_t, std::map<int, int>>& stands_in, FileHashes& files)
         : pipeline_(pipeline), timelines_(timelines), stands_in_(stands_in), files_(files) {}
 
     /// The frames of all nodes together, as numbers.
     const std::vector<int>& frames() const { return timelines_.frames(); }
     /// The frames that a node takes, as numbers.
-    const std::vector<int>& frames_of(std::size_t node) const { return timelines_.taken(node).frames; }
+    const std::vector<int>& frames_of(std::size_t node) const {
+        return timelines_.taken(node).frames;
+    }
     OfNode of(std::size_t node) const;
     /// Paths of the files that a node reads for the frame at a place (an index in `frames`).
     std::vector<std::string> files(std::size_t node, std::size_t place) const;
     /// Hash of the content of these files; zero if one can't be read.
     Key contents(std::size_t node, std::size_t place) const;
-    /// These files, and the missing ones for which they stand in: if one of the latter appears, the node may read it.
+    /// These files, and the missing ones for which they stand in: if one of the latter appears, the
+    /// node may read it.
     std::vector<std::string> watched_files(std::size_t node, std::size_t place) const;
 
 private:

@@ -1,6 +1,6 @@
 #include "runtime/keep/entry_header.h"
 
-#include "graph/confinement.h"
+#include "formats/file/confinement.h"
 #include "runtime/keep/descriptor.h"
 
 #include <fcntl.h>
@@ -15,11 +15,15 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-/// Where the header of an entry ends; nothing if the prefix or the size is wrong. @param size  bytes of the entry
+/// Where the header of an entry ends; nothing if the prefix or the size is wrong.
+/// @param size  bytes of the entry
 std::optional<std::uint64_t> header_end(std::span<const char> prefix, std::uint64_t size) {
-    if (prefix.size() < entry_prefix || std::string_view(prefix.data(), 16) != entry_magic) return std::nullopt;
-    const auto header = number_at<std::uint64_t>(prefix.data() + 16), body = number_at<std::uint64_t>(prefix.data() + 24);
-    if (header > size || body > size || entry_prefix + header + body + entry_seal != size) return std::nullopt;
+    if (prefix.size() < entry_prefix || std::string_view(prefix.data(), 16) != entry_magic)
+        return std::nullopt;
+    const auto header = number_at<std::uint64_t>(prefix.data() + 16),
+               body = number_at<std::uint64_t>(prefix.data() + 24);
+    if (header > size || body > size || entry_prefix + header + body + entry_seal != size)
+        return std::nullopt;
     return entry_prefix + header;
 }
 
@@ -57,7 +61,8 @@ std::optional<Json> entry_header(std::span<const char> bytes, std::uint64_t size
 std::optional<Json> entry_header(int file, std::uint64_t& size) {
     struct stat about {};
     std::vector<char> bytes(entry_prefix);
-    if (fstat(file, &about) != 0 || !read_entry(file, bytes.data(), entry_prefix)) return std::nullopt;
+    if (fstat(file, &about) != 0 || !read_entry(file, bytes.data(), entry_prefix))
+        return std::nullopt;
     size = static_cast<std::uint64_t>(about.st_size);
     const auto end = header_end(bytes, size);
     if (!end) return std::nullopt;

@@ -1,7 +1,7 @@
 #include "runtime/keep/file_hashes.h"
 
-#include "graph/confinement.h"
-#include "graph/text/problem.h"
+#include "carve/base/failure.h"
+#include "formats/file/confinement.h"
 #include "runtime/keep/descriptor.h"
 
 #include <tbb/parallel_for.h>
@@ -17,14 +17,19 @@
 namespace fluidcarve {
 namespace {
 
-/// Age in seconds below which a file's hash is not stored: it may change again within the resolution of its times.
+/// Age in seconds below which a file's hash is not stored: it may change again within the
+/// resolution of its times.
 constexpr double settled_seconds = 2;
 
-double seconds(const timespec& time) { return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec); }
+double seconds(const timespec& time) {
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
 
 bool settled(const struct stat& file) {
-    const double now = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-    return std::abs(now - seconds(file.st_mtim)) > settled_seconds && std::abs(now - seconds(file.st_ctim)) > settled_seconds;
+    const double now =
+        std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+    return std::abs(now - seconds(file.st_mtim)) > settled_seconds &&
+           std::abs(now - seconds(file.st_ctim)) > settled_seconds;
 }
 
 }  // namespace
@@ -32,7 +37,9 @@ bool settled(const struct stat& file) {
 Key stamp_of(const struct stat& file) {
     ContentHash hash;
     hash.number(file.st_ino).number(static_cast<std::uint64_t>(file.st_size));
-    for (const auto& time : {file.st_mtim, file.st_ctim}) hash.number(static_cast<std::uint64_t>(time.tv_sec)).number(static_cast<std::uint64_t>(time.tv_nsec));
+    for (const auto& time : {file.st_mtim, file.st_ctim})
+        hash.number(static_cast<std::uint64_t>(time.tv_sec))
+            .number(static_cast<std::uint64_t>(time.tv_nsec));
     return hash.digest();
 }
 
@@ -51,10 +58,13 @@ std::optional<FileHashes::Content> FileHashes::find(const std::string& path) {
     // Without O_NONBLOCK, a pipe would not open before its writer does.
     const Descriptor file{open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
     struct stat before {};
-    if (file.number < 0 || fstat(file.number, &before) != 0 || !S_ISREG(before.st_mode) || !confinement.refusal_of_open(file.number).empty())
+    if (file.number < 0 || fstat(file.number, &before) != 0 || !S_ISREG(before.st_mode) ||
+        !confinement.refusal_of_open(file.number).empty())
         return std::nullopt;
     const auto stamp = stamp_of(before);
-    const auto with = [&](const Key& key) { return Content{key, static_cast<std::uint64_t>(before.st_size), before.st_ino}; };
+    const auto with = [&](const Key& key) {
+        return Content{key, static_cast<std::uint64_t>(before.st_size), before.st_ino};
+    };
     if (settled(before))
         if (const auto key = stored(stamp)) return with(key);
 

@@ -16,8 +16,8 @@ namespace fluidcarve {
 /// Identifies one state of a file: hash of inode, size and times.
 Key stamp_of(const struct stat& file);
 
-/// Content hashes of files. They are stored in the work folder (Packs) by each file's size, times and inode, so that an unchanged file is
-/// not read again, even if it or its folder was moved.
+/// Content hashes of files. They are stored in the work folder (Packs) by each file's size, times
+/// and inode, so that an unchanged file is not read again, even if it or its folder was moved.
 class FileHashes {
 public:
     struct Content {
@@ -29,7 +29,8 @@ public:
     /// @param folder  where hashes are stored; empty: nowhere
     explicit FileHashes(std::string folder) : stored_(std::move(folder)) {}
 
-    /// The content of a file at the first call for its path; later changes are ignored. Nothing if the file can't be read.
+    /// The content of a file at the first call for its path; later changes are ignored. Nothing if
+    /// the file can't be read.
     std::optional<Content> of(const std::string& path);
     /// The content of the file now. Later calls of `of` return it too.
     std::optional<Content> anew(const std::string& path);

@@ -8,7 +8,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::size_t wanted_by(const Node& node, const Extent& extent) { return node.type->growth->wanted(node.params.get(), extent.of); }
+std::size_t wanted_by(const Node& node, const Extent& extent) {
+    return node.type->growth->wanted(node.params.get(), extent.of);
+}
 
 }  // namespace
 
@@ -17,7 +19,8 @@ std::optional<GrownResult> GrownResult::in(const Json& header) {
     if (found == header.end()) return std::nullopt;
     const Extent extent{found->at("count").get<std::size_t>(), found->at("of").get<std::size_t>()};
     // Without a size it counts as no smaller than any other.
-    return GrownResult{extent, header.value("size", std::numeric_limits<std::uint64_t>::max()), header.contains("part"), header.contains("exhausted")};
+    return GrownResult{extent, header.value("size", std::numeric_limits<std::uint64_t>::max()),
+                       header.contains("part"), header.contains("exhausted")};
 }
 
 void GrownResult::describe(Json& header) const {
@@ -27,20 +30,27 @@ void GrownResult::describe(Json& header) const {
     if (exhausted) header["exhausted"] = true;
 }
 
-bool GrownResult::enough_for(const Node& node) const { return extent.count >= wanted_by(node, extent) || (exhausted && takes_fewer(node)); }
+bool GrownResult::enough_for(const Node& node) const {
+    return extent.count >= wanted_by(node, extent) || (exhausted && takes_fewer(node));
+}
 
-bool GrownResult::fits(const Node& node) const { return !part && !exhausted && extent.count == wanted_by(node, extent); }
+bool GrownResult::fits(const Node& node) const {
+    return !part && !exhausted && extent.count == wanted_by(node, extent);
+}
 
 bool GrownResult::holds(const GrownResult& other) const {
     if (extent.count != other.extent.count) return extent.count > other.extent.count;
     if (exhausted != other.exhausted) return exhausted;
-    // Of pairs of seams, those of one window are found first. So of two parts with as many seams the larger one holds more.
+    // Of pairs of seams, those of one window are found first. So of two parts with as many seams
+    // the larger one holds more.
     return (!part || other.part) && bytes >= other.bytes;
 }
 
 bool takes_fewer(const Node& node) {
     const auto& growth = node.type->growth;
-    return growth && !growth->best_effort.empty() && node.type->param(growth->best_effort)->text(node.params.get()) == ParamTraits<bool>::text(true);
+    return growth && !growth->best_effort.empty() &&
+           node.type->param(growth->best_effort)->text(node.params.get()) ==
+               ParamTraits<bool>::text(true);
 }
 
 void cut(const Node& node, const GrownResult& all, Payload& result, Said& said) {
@@ -50,11 +60,15 @@ void cut(const Node& node, const GrownResult& all, Payload& result, Said& said) 
     const auto about_all = growth.warnings ? growth.warnings(entry) : std::vector<std::string>();
     result = growth.first(result, wanted_by(node, all.extent), entry);
     if (!said.report.empty()) said.report.begin()->second = entry;
-    std::erase_if(said.warnings, [&](const std::string& each) { return std::find(about_all.begin(), about_all.end(), each) != about_all.end(); });
+    std::erase_if(said.warnings, [&](const std::string& each) {
+        return std::find(about_all.begin(), about_all.end(), each) != about_all.end();
+    });
     if (growth.warnings)
         for (auto& warning : growth.warnings(entry)) said.warnings.push_back(std::move(warning));
 }
 
-Json grown_entry(const Said& said) { return said.report.empty() ? Json::object() : said.report.begin()->second; }
+Json grown_entry(const Said& said) {
+    return said.report.empty() ? Json::object() : said.report.begin()->second;
+}
 
 }  // namespace fluidcarve

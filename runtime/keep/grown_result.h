@@ -22,9 +22,11 @@ struct GrownResult {
     /// Adds {"size", "extent": {"count", "of"}, "part"?, "exhausted"?} to a header.
     void describe(nlohmann::ordered_json& header) const;
 
-    /// Whether it holds all that the node wants, or all there is if that is enough (Growth::best_effort).
+    /// Whether it holds all that the node wants, or all there is if that is enough
+    /// (Growth::best_effort).
     bool enough_for(const Node& node) const;
-    /// Whether it is complete and holds exactly what the node wants, so that neither its report entry nor its warnings speak of more.
+    /// Whether it is complete and holds exactly what the node wants, so that neither its report
+    /// entry nor its warnings speak of more.
     bool fits(const Node& node) const;
     /// Whether nothing is gained if the other result takes its place.
     bool holds(const GrownResult& other) const;
@@ -33,11 +35,12 @@ struct GrownResult {
 /// Whether the node takes fewer items than it wants, if there are no more (Growth::best_effort).
 bool takes_fewer(const Node& node);
 
-/// Cuts a growing result, its report entry and its warnings to what the node wants. @param all  how much the result holds; enough
+/// Cuts a growing result, its report entry and its warnings to what the node wants.
+/// @param all  how much the result holds; enough
 void cut(const Node& node, const GrownResult& all, Payload& result, Said& said);
 
-/// The report entry of a growing result, with which its node goes on; an empty object if there is none. Such a node reports to one
-/// section at most.
+/// The report entry of a growing result, with which its node goes on; an empty object if there is
+/// none. Such a node reports to one section at most.
 nlohmann::ordered_json grown_entry(const Said& said);
 
 }  // namespace fluidcarve

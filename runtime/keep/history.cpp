@@ -1,10 +1,11 @@
 #include "runtime/keep/history.h"
 
-#include "graph/confinement.h"
-#include "graph/input_file.h"
-#include "graph/output_file.h"
+#include "carve/base/frame_set.h"
+#include "carve/base/words.h"
+#include "formats/file/confinement.h"
+#include "formats/file/input_file.h"
+#include "formats/file/output_file.h"
 #include "graph/text/json_text.h"
-#include "graph/text/words.h"
 #include "runtime/keep/work_folder.h"
 
 #include <fmt/format.h>
@@ -26,16 +27,21 @@ using nlohmann::json;
 
 constexpr std::size_t most_named = 3;
 
-/// Names in a row: "a, b and 2 others". @param names  at least the first `most_named` @param total  how many there are
+/// Names in a row: "a, b and 2 others".
+/// @param names  at least the first `most_named`
+/// @param total  how many there are
 std::string listed(const std::vector<std::string>& names, std::size_t total) {
     if (total <= most_named) return fmt::format("{}", fmt::join(names, ", "));
-    return fmt::format("{} and {}", fmt::join(names.begin(), names.begin() + most_named, ", "), counted(total - most_named, "other"));
+    return fmt::format("{} and {}", fmt::join(names.begin(), names.begin() + most_named, ", "),
+                       counted(total - most_named, "other"));
 }
 
-/// Per node: which changed nodes are upstream of it. A row of bits for each, so that ten thousand nodes in a chain take some MB.
+/// Per node: which changed nodes are upstream of it. A row of bits for each, so that ten thousand
+/// nodes in a chain take some MB.
 class ChangedUpstream {
 public:
-    explicit ChangedUpstream(const Pipeline& pipeline) : pipeline_(pipeline), rows_(pipeline.nodes.size()) {}
+    explicit ChangedUpstream(const Pipeline& pipeline)
+        : pipeline_(pipeline), rows_(pipeline.nodes.size()) {}
 
     /// To be called for the nodes in order. @param changed  whether the node itself changed
     void add(std::size_t n, bool changed) {
@@ -43,9 +49,11 @@ public:
             for (const auto& link : links) {
                 const auto& upstream = rows_[link.node];
                 rows_[n].resize(std::max(rows_[n].size(), upstream.size()));
-                for (std::size_t word = 0; word < upstream.size(); ++word) rows_[n][word] |= upstream[word];
+                for (std::size_t word = 0; word < upstream.size(); ++word)
+                    rows_[n][word] |= upstream[word];
                 // Changed nodes are in order, as all nodes are.
-                if (const auto at = std::ranges::lower_bound(changed_, link.node); at != changed_.end() && *at == link.node)
+                if (const auto at = std::ranges::lower_bound(changed_, link.node);
+                    at != changed_.end() && *at == link.node)
                     set(rows_[n], static_cast<std::size_t>(at - changed_.begin()));
             }
         if (changed) changed_.push_back(n);
@@ -57,8 +65,13 @@ public:
         std::size_t total = 0;
         for (std::size_t word = 0; word < rows_[n].size(); ++word) {
             total += static_cast<std::size_t>(std::popcount(rows_[n][word]));
-            for (auto bits = rows_[n][word]; bits != 0 && first.size() < most_named; bits &= bits - 1)
-                first.push_back(pipeline_.nodes[changed_[word * bits_per_word + static_cast<std::size_t>(std::countr_zero(bits))]].name);
+            for (auto bits = rows_[n][word]; bits != 0 && first.size() < most_named;
+                 bits &= bits - 1)
+                first.push_back(
+                    pipeline_
+                        .nodes[changed_[word * bits_per_word +
+                                        static_cast<std::size_t>(std::countr_zero(bits))]]
+                        .name);
         }
         return listed(first, total);
     }
@@ -74,7 +87,8 @@ private:
 
     const Pipeline& pipeline_;
     std::vector<std::size_t> changed_;  ///< nodes
-    std::vector<Row> rows_;             ///< per node: bit n is set if `changed_[n]` is upstream; no bits: none is
+    std::vector<Row>
+        rows_;  ///< per node: bit n is set if `changed_[n]` is upstream; no bits: none is
 };
 
 /// Per node: the nodes that read it, each once, in order.
@@ -83,7 +97,8 @@ std::vector<std::vector<std::size_t>> readers_of(const Pipeline& pipeline) {
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
         for (const auto& links : pipeline.nodes[n].inputs)
             for (const auto& link : links)
-                if (auto& readers = out[link.node]; readers.empty() || readers.back() != n) readers.push_back(n);
+                if (auto& readers = out[link.node]; readers.empty() || readers.back() != n)
+                    readers.push_back(n);
     return out;
 }
 
@@ -92,21 +107,32 @@ constexpr auto all_frames = "0";
 
 /// Describes the differences between two states of a node.
 /// @param unless  a parameter that is left out; empty: none
-/// @param shared  names of the files that the node reads for all frames; none: it reads files per frame
-std::vector<std::string> differences(const json& was, const json& now, const std::string& unless, const std::vector<std::string>& shared) {
+/// @param shared  names of the files that the node reads for all frames; none: it reads files per
+///   frame
+std::vector<std::string> differences(const json& was, const json& now, const std::string& unless,
+                                     const std::vector<std::string>& shared) {
     std::vector<std::string> out;
-    if (was["type"] != now["type"]) return {fmt::format("type changed from {} to {}", was["type"].get<std::string>(), now["type"].get<std::string>())};
-    if (was["version"] != now["version"]) out.push_back(fmt::format("node version changed from {} to {}", was["version"].dump(), now["version"].dump()));
-    if (was.value("plugin", "") != now.value("plugin", "")) out.emplace_back("its plugin was built again");
+    if (was["type"] != now["type"])
+        return {fmt::format("type changed from {} to {}", was["type"].get<std::string>(),
+                            now["type"].get<std::string>())};
+    if (was["version"] != now["version"])
+        out.push_back(fmt::format("node version changed from {} to {}", was["version"].dump(),
+                                  now["version"].dump()));
+    if (was.value("plugin", "") != now.value("plugin", ""))
+        out.emplace_back("its plugin was built again");
     for (const auto* const part : {"params", "inputs"}) {
         const bool input = std::string_view(part) == "inputs";
-        const auto text = [](const json& of, const std::string& name) { return of.contains(name) ? of[name].get<std::string>() : std::string("nothing"); };
+        const auto text = [](const json& of, const std::string& name) {
+            return of.contains(name) ? of[name].get<std::string>() : std::string("nothing");
+        };
         std::set<std::string> names;
         for (const auto* const each : {&was, &now})
             for (const auto& [name, value] : (*each)[part].items()) names.insert(name);
         for (const auto& name : names)
-            if (const auto before = text(was[part], name), after = text(now[part], name); before != after && (input || name != unless))
-                out.push_back(fmt::format("{}{} changed from {} to {}", input ? "input " : "", name, before, after));
+            if (const auto before = text(was[part], name), after = text(now[part], name);
+                before != after && (input || name != unless))
+                out.push_back(fmt::format("{}{} changed from {} to {}", input ? "input " : "", name,
+                                          before, after));
     }
     std::vector<int> changed, fresh;
     for (const auto& [frame, content] : now["files"].items()) {
@@ -118,8 +144,11 @@ std::vector<std::string> differences(const json& was, const json& now, const std
     std::sort(fresh.begin(), fresh.end());
     const auto tell = [&](const std::vector<int>& frames, const char* what) {
         if (frames.empty()) return;
-        if (!shared.empty()) out.push_back(fmt::format("input {} {}", listed(shared, shared.size()), what));
-        else out.push_back(fmt::format("input frame{} {} {}", frames.size() == 1 ? "" : "s", FrameSet(frames).text(), what));
+        if (!shared.empty())
+            out.push_back(fmt::format("input {} {}", listed(shared, shared.size()), what));
+        else
+            out.push_back(fmt::format("input frame{} {} {}", frames.size() == 1 ? "" : "s",
+                                      FrameSet(frames).text(), what));
     };
     tell(changed, "changed");
     tell(fresh, fresh.size() == 1 ? "is new" : "are new");
@@ -127,16 +156,22 @@ std::vector<std::string> differences(const json& was, const json& now, const std
 }
 
 /// Names of the files that a node reads for all frames; none: it reads files per frame, or none.
-std::vector<std::string> shared_files(const Node& node, std::size_t n, const Dependencies& dependencies) {
+std::vector<std::string> shared_files(const Node& node, std::size_t n,
+                                      const Dependencies& dependencies) {
     std::vector<std::string> out;
     if (node.rate == Rate::frame || dependencies.frames().empty()) return out;
-    for (const auto& path : dependencies.files(n, 0)) out.push_back(std::filesystem::path(path).filename().string());
+    for (const auto& path : dependencies.files(n, 0))
+        out.push_back(std::filesystem::path(path).filename().string());
     return out;
 }
 
-/// The count of a growing result, if it is not why the node runs: nothing is kept that it could be too large for. Else empty.
-std::string idle_count(const Node& node, const std::optional<GrownResult>& grown, const json& was, const json& now) {
-    return node.type->growth && !grown && was.value("rest", "") == now.value("rest", "") ? node.type->growth->param : std::string();
+/// The count of a growing result, if it is not why the node runs: nothing is kept that it could be
+/// too large for. Else empty.
+std::string idle_count(const Node& node, const std::optional<GrownResult>& grown, const json& was,
+                       const json& now) {
+    return node.type->growth && !grown && was.value("rest", "") == now.value("rest", "")
+               ? node.type->growth->param
+               : std::string();
 }
 
 /// "goes on from 7 of 12 seams"; empty: the node begins anew.
@@ -144,36 +179,54 @@ std::string goes_on(const Node& node, const std::optional<GrownResult>& grown) {
     if (!grown || grown->enough_for(node)) return {};
     const auto& growth = *node.type->growth;
     if (grown->extent.count == 0) return "goes on where it was stopped";
-    return fmt::format("goes on from {} of {}", grown->extent.count, counted(growth.wanted(node.params.get(), grown->extent.of), growth.item));
+    return fmt::format("goes on from {} of {}", grown->extent.count,
+                       counted(growth.wanted(node.params.get(), grown->extent.of), growth.item));
 }
 
 const std::array<std::pair<Work, const char*>, work_kinds> names_of_work{
-    std::pair{Work::frame, "frame"}, {Work::take, "take"}, {Work::load, "load"}, {Work::once, "once"}};
+    std::pair{Work::frame, "frame"},
+    {Work::take, "take"},
+    {Work::load, "load"},
+    {Work::once, "once"}};
 
 json json_of(const WorkTime& cost) {
-    return {{"seconds", cost.seconds},      {"abreast", cost.at.abreast}, {"cores", cost.at.cores}, {"input_bytes", cost.at.input_bytes},
-            {"gathered", cost.at.gathered}, {"items", cost.at.items},     {"of", cost.at.of}};
+    return {{"seconds", cost.seconds},
+            {"abreast", cost.at.abreast},
+            {"cores", cost.at.cores},
+            {"input_bytes", cost.at.input_bytes},
+            {"gathered", cost.at.gathered},
+            {"items", cost.at.items},
+            {"of", cost.at.of}};
 }
 
 WorkTime cost_in(const json& from) {
-    const auto count = [&](const char* name) { return static_cast<std::size_t>(std::max(0.0, from.value(name, 0.0))); };
+    const auto count = [&](const char* name) {
+        return static_cast<std::size_t>(std::max(0.0, from.value(name, 0.0)));
+    };
     return {from.value("seconds", 0.0),
-            {from.value("abreast", 1.0), from.value("cores", 1.0), count("input_bytes"), count("gathered"), count("items"), count("of")}};
+            {from.value("abreast", 1.0), from.value("cores", 1.0), count("input_bytes"),
+             count("gathered"), count("items"), count("of")}};
 }
 
 /// Whether a value read from a file has the form that `made_of` returns.
 bool well_formed(const json& node) {
-    if (!node.is_object() || !node.contains("type") || !node["type"].is_string() || !node.contains("version") || !node["version"].is_number()) return false;
+    if (!node.is_object() || !node.contains("type") || !node["type"].is_string() ||
+        !node.contains("version") || !node["version"].is_number())
+        return false;
     for (const auto* const part : {"params", "inputs", "files"}) {
         if (!node.contains(part) || !node[part].is_object()) return false;
         for (const auto& [name, value] : node[part].items())
-            if (!value.is_string() || (std::string_view(part) == "files" && name.find_first_not_of("-0123456789") != std::string::npos)) return false;
+            if (!value.is_string() || (std::string_view(part) == "files" &&
+                                       name.find_first_not_of("-0123456789") != std::string::npos))
+                return false;
     }
     if (node.contains("rest") && !node["rest"].is_string()) return false;
     if (!node.contains("costs")) return true;
     if (!node["costs"].is_object()) return false;
-    return std::ranges::all_of(
-        node["costs"], [](const json& cost) { return cost.is_object() && std::ranges::all_of(cost, [](const json& value) { return value.is_number(); }); });
+    return std::ranges::all_of(node["costs"], [](const json& cost) {
+        return cost.is_object() &&
+               std::ranges::all_of(cost, [](const json& value) { return value.is_number(); });
+    });
 }
 
 }  // namespace
@@ -188,7 +241,8 @@ History::History(const std::string& folder, const std::string& pipeline) {
     }
     std::error_code none;
     auto read = json::parse(text_of_own_file(path_), nullptr, false);
-    const bool whole = read.is_object() && std::ranges::all_of(read, [](const json& node) { return node.is_object(); });
+    const bool whole = read.is_object() &&
+                       std::ranges::all_of(read, [](const json& node) { return node.is_object(); });
     foreign_ = std::filesystem::exists(path_, none) && !whole && !WorkFolder(folder).marked();
     if (read.is_object()) nodes_ = std::move(read);
 }
@@ -199,9 +253,14 @@ const json& History::of(const std::string& node) const {
     return found == nodes_.end() || !well_formed(*found) ? nothing : *found;
 }
 
-json History::made_of(const Pipeline& pipeline, std::size_t n, const Dependencies& dependencies, const std::vector<bool>& reads) {
+json History::made_of(const Pipeline& pipeline, std::size_t n, const Dependencies& dependencies,
+                      const std::vector<bool>& reads) {
     const auto of = dependencies.of(n);
-    json out{{"type", of.type}, {"version", of.version}, {"params", json::object()}, {"inputs", json::object()}, {"files", json::object()}};
+    json out{{"type", of.type},
+             {"version", of.version},
+             {"params", json::object()},
+             {"inputs", json::object()},
+             {"files", json::object()}};
     if (of.plugin) out["plugin"] = of.plugin->text();
     const auto& growth = pipeline.nodes[n].type->growth;
     for (const auto& param : of.params) {
@@ -209,14 +268,17 @@ json History::made_of(const Pipeline& pipeline, std::size_t n, const Dependencie
         if (growth && growth->param == param.name && param.rest) out["rest"] = *param.rest;
     }
     std::map<std::string, std::vector<std::string>> sources;
-    for (const auto& input : of.inputs) sources[input.name].push_back(pipeline.nodes[input.source].name + "." + input.output);
-    for (const auto& [name, all] : sources) out["inputs"][name] = fmt::format("{}", fmt::join(all, ", "));
+    for (const auto& input : of.inputs)
+        sources[input.name].push_back(pipeline.nodes[input.source].name + "." + input.output);
+    for (const auto& [name, all] : sources)
+        out["inputs"][name] = fmt::format("{}", fmt::join(all, ", "));
     const auto& frames = dependencies.frames();
     for (std::size_t place = 0; place < frames.size(); ++place) {
         if (dependencies.files(n, place).empty()) break;
         if (!reads[place]) continue;
         const bool per_frame = pipeline.nodes[n].rate == Rate::frame;
-        out["files"][per_frame ? std::to_string(frames[place]) : all_frames] = dependencies.contents(n, place).text();
+        out["files"][per_frame ? std::to_string(frames[place]) : all_frames] =
+            dependencies.contents(n, place).text();
         if (!per_frame) break;
     }
     return out;
@@ -224,7 +286,9 @@ json History::made_of(const Pipeline& pipeline, std::size_t n, const Dependencie
 
 void History::set(const std::string& node, json made_of) {
     if (const auto& was = of(node); !was.is_null()) {
-        if (was.contains("costs") && was["type"] == made_of["type"] && was["version"] == made_of["version"]) made_of["costs"] = was["costs"];
+        if (was.contains("costs") && was["type"] == made_of["type"] &&
+            was["version"] == made_of["version"])
+            made_of["costs"] = was["costs"];
         for (const auto& [frame, content] : was.at("files").items())
             if (!made_of["files"].contains(frame)) made_of["files"][frame] = content;
     }
@@ -267,7 +331,8 @@ void History::save() const {
     }
 }
 
-std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares, const History& history, const Dependencies& dependencies,
+std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares,
+                                 const History& history, const Dependencies& dependencies,
                                  const std::function<NodeNow(std::size_t node)>& now) {
     const auto count = pipeline.nodes.size();
     std::vector<std::vector<std::string>> own(count);
@@ -297,7 +362,8 @@ std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Sha
         if (shares[n].runs == 0 && shares[n].taken_anew == 0) continue;
         std::vector<std::string> users;
         for (const auto user : readers[n])
-            if (shares[user].runs > 0 || shares[user].taken_anew > 0) users.push_back(pipeline.nodes[user].name);
+            if (shares[user].runs > 0 || shares[user].taken_anew > 0)
+                users.push_back(pipeline.nodes[user].name);
         std::vector<std::string> causes;
         if (!fresh[n] && !upstream.none(n)) causes.push_back("changed: " + upstream.text(n));
         if (!own[n].empty()) causes.push_back(listed(own[n], own[n].size()));
@@ -305,7 +371,8 @@ std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Sha
         if (!history.on()) out[n] = "nothing is kept";
         else if (!causes.empty()) out[n] = fmt::format("{}", fmt::join(causes, "; "));
         else if (fresh[n]) out[n] = "never run";
-        else if (node.kept && pipeline.writes(n)) out[n] = "its files are missing, or not as it wrote them";
+        else if (node.kept && pipeline.writes(n))
+            out[n] = "its files are missing, or not as it wrote them";
         else if (!node.kept && !users.empty()) out[n] = "for " + listed(users, users.size());
         else if (!node.kept) out[n] = "its results are not kept";
         else out[n] = "was not finished, or is no longer kept";

@@ -1,6 +1,6 @@
 #include "runtime/keep/input_guard.h"
 
-#include "graph/text/problem.h"
+#include "carve/base/failure.h"
 #include "runtime/keep/file_hashes.h"
 
 #include <fmt/format.h>
@@ -21,7 +21,8 @@ Key state_of(const std::string& path) {
 
 }  // namespace
 
-InputGuard::InputGuard(Manifest* manifest, const std::vector<std::string>& paths) : manifest_(manifest) {
+InputGuard::InputGuard(Manifest* manifest, const std::vector<std::string>& paths)
+    : manifest_(manifest) {
     tbb::parallel_for(std::size_t{0}, paths.size(), [&](std::size_t n) { require_same(paths[n]); });
 }
 
@@ -30,7 +31,10 @@ Key InputGuard::require_same(const std::string& path) {
     const auto name = ContentHash().text(path).digest();
     const std::lock_guard lock(mutex_);
     if (states_.try_emplace(name, now).first->second != now)
-        throw Failure(fmt::format("{} was changed while the run was on; run again when its writer is done", path), Failure::Kind::input);
+        throw Failure(
+            fmt::format("{} was changed while the run was on; run again when its writer is done",
+                        path),
+            Failure::Kind::input);
     return now;
 }
 

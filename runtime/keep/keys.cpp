@@ -17,7 +17,8 @@ bool among(const std::vector<std::string>* fields, const std::string& name) {
 }
 
 /// Adds type, version and parameters to a hash. @param fields  the parameters to add; null: all
-void describe(ContentHash& hash, const Dependencies::OfNode& of, const std::vector<std::string>* fields) {
+void describe(ContentHash& hash, const Dependencies::OfNode& of,
+              const std::vector<std::string>* fields) {
     hash.number(key_version).text(of.type).number(static_cast<std::uint64_t>(of.version));
     if (of.plugin) hash.key(*of.plugin);
     for (const auto& param : of.params)
@@ -26,7 +27,8 @@ void describe(ContentHash& hash, const Dependencies::OfNode& of, const std::vect
 
 }  // namespace
 
-Keys::Keys(const Pipeline& pipeline, const Dependencies& dependencies, std::function<bool(std::size_t node, std::size_t place)> wants)
+Keys::Keys(const Pipeline& pipeline, const Dependencies& dependencies,
+           std::function<bool(std::size_t node, std::size_t place)> wants)
     : pipeline_(pipeline),
       dependencies_(dependencies),
       wants_(std::move(wants)),
@@ -40,12 +42,16 @@ Keys::Keys(const Pipeline& pipeline, const Dependencies& dependencies, std::func
     }
 }
 
-void Keys::add_inputs(ContentHash& hash, const Dependencies::OfNode& of, std::size_t place, const std::vector<std::string>* fields,
-                      std::optional<bool> per_frame) {
+void Keys::add_inputs(ContentHash& hash, const Dependencies::OfNode& of, std::size_t place,
+                      const std::vector<std::string>* fields, std::optional<bool> per_frame) {
     for (const auto& input : of.inputs) {
         if (!among(fields, input.name)) continue;
-        if (per_frame && *per_frame != (pipeline_.nodes[input.source].rate == Rate::frame)) continue;
-        hash.text(input.name).text(input.link_name).text(input.output).key(result(input.source, place));
+        if (per_frame && *per_frame != (pipeline_.nodes[input.source].rate == Rate::frame))
+            continue;
+        hash.text(input.name)
+            .text(input.link_name)
+            .text(input.output)
+            .key(result(input.source, place));
     }
 }
 
@@ -59,7 +65,8 @@ Key Keys::taken(std::size_t n, std::size_t place) {
     ContentHash hash;
     if (digests) describe(hash.text("digest"), of, &type.digest_fields);
     hash.number(static_cast<std::uint64_t>(dependencies_.frames()[place]));
-    add_inputs(hash, of, place, digests ? &type.digest_fields : nullptr, digests ? std::nullopt : std::optional(true));
+    add_inputs(hash, of, place, digests ? &type.digest_fields : nullptr,
+               digests ? std::nullopt : std::optional(true));
     known = hash.digest();
     return *known;
 }
@@ -71,7 +78,8 @@ Key Keys::gathered(std::size_t n) {
     const auto of = dependencies_.of(n);
     ContentHash hash;
     describe(hash.text("gathered"), of, nullptr);
-    for (const auto frame : dependencies_.frames_of(n)) hash.number(static_cast<std::uint64_t>(frame));
+    for (const auto frame : dependencies_.frames_of(n))
+        hash.number(static_cast<std::uint64_t>(frame));
     for (std::size_t place = 0; place < dependencies_.frames().size(); ++place)
         if (wants_(n, place)) hash.key(taken(n, place));
     add_inputs(hash, of, 0, nullptr, false);
@@ -88,19 +96,22 @@ Key Keys::kept(std::size_t n, std::size_t place) {
     if (known) return *known;
     if (node.rate != Rate::frame && pipeline_.nodes[n].streams_in()) {
         known = gathered(n);
-        if (!pipeline_.provenance && pipeline_.writes(n)) known = ContentHash().key(*known).text(no_provenance).digest();
+        if (!pipeline_.provenance && pipeline_.writes(n))
+            known = ContentHash().key(*known).text(no_provenance).digest();
         return *known;
     }
     const auto of = dependencies_.of(n);
     ContentHash hash;
     describe(hash.text("result"), of, nullptr);
-    // Files that state what made them differ from those that do not. The statement itself is not in the key: it follows from the values that are.
+    // Files that state what made them differ from those that do not. The statement itself is not in
+    // the key: it follows from the values that are.
     if (!pipeline_.provenance && pipeline_.writes(n)) hash.text(no_provenance);
     // A body that runs once sees the first frame of the sequence.
     hash.number(static_cast<std::uint64_t>(dependencies_.frames().at(place)));
     if (pipeline_.nodes[n].streams_in()) hash.key(gathered(n));
     else if (node.gathers)
-        for (const auto frame : dependencies_.frames_of(n)) hash.number(static_cast<std::uint64_t>(frame));
+        for (const auto frame : dependencies_.frames_of(n))
+            hash.number(static_cast<std::uint64_t>(frame));
     add_inputs(hash, of, place, nullptr, node.retimes() ? std::optional(false) : std::nullopt);
     hash.key(dependencies_.contents(n, place));
     known = hash.digest();

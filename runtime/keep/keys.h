@@ -11,16 +11,20 @@
 
 namespace fluidcarve {
 
-/// Cache keys of a pipeline's results, known before anything runs. A key is a hash of what the result depends on (Dependencies), with the
-/// keys of the results that it reads in place of their nodes. Equal keys mean equal results. Thread-safe.
+/// Cache keys of a pipeline's results, known before anything runs. A key is a hash of what the
+/// result depends on (Dependencies), with the keys of the results that it reads in place of their
+/// nodes. Equal keys mean equal results. Thread-safe.
 class Keys {
 public:
     /// @param wants  whether a gatherer takes the frame at a place (an index in the sequence)
-    Keys(const Pipeline& pipeline, const Dependencies& dependencies, std::function<bool(std::size_t node, std::size_t place)> wants);
+    Keys(const Pipeline& pipeline, const Dependencies& dependencies,
+         std::function<bool(std::size_t node, std::size_t place)> wants);
 
-    /// Key of a node's result for the frame at a place. The place is ignored if the node delivers once.
+    /// Key of a node's result for the frame at a place. The place is ignored if the node delivers
+    /// once.
     Key result(std::size_t node, std::size_t place);
-    /// Key of the cache entry with that result. Differs from `result` only for growing results: one entry serves all counts.
+    /// Key of the cache entry with that result. Differs from `result` only for growing results: one
+    /// entry serves all counts.
     Key kept(std::size_t node, std::size_t place);
     /// Key of a gatherer's digest of a frame; without a digest, of its inputs in that frame.
     Key taken(std::size_t node, std::size_t place);
@@ -30,9 +34,10 @@ public:
 private:
     /// Adds the keys of a node's inputs to a hash.
     /// @param fields     the inputs to add; null: all
-    /// @param per_frame  true: only inputs that arrive per frame; false: only inputs that arrive once; nothing: both
-    void add_inputs(ContentHash& hash, const Dependencies::OfNode& of, std::size_t place, const std::vector<std::string>* fields,
-                    std::optional<bool> per_frame);
+    /// @param per_frame  true: only inputs that arrive per frame; false: only inputs that arrive
+    ///   once; nothing: both
+    void add_inputs(ContentHash& hash, const Dependencies::OfNode& of, std::size_t place,
+                    const std::vector<std::string>* fields, std::optional<bool> per_frame);
 
     const Pipeline& pipeline_;
     const Dependencies& dependencies_;

@@ -10,8 +10,9 @@
 
 namespace fluidcarve {
 
-/// The file of `run --manifest` (runtime/README.md), which lists the content of input files. It tells a file that rotted on disk, or was
-/// replaced, from one that did not. It does not tell a forged one: hashes are those of ContentHash. Thread-safe.
+/// The file of `run --manifest` (runtime/README.md), which lists the content of input files. It
+/// tells a file that rotted on disk, or was replaced, from one that did not. It does not tell a
+/// forged one: hashes are those of ContentHash. Thread-safe.
 class Manifest {
 public:
     /// What a manifest lists of a file.
@@ -20,23 +21,29 @@ public:
         std::uint64_t size = 0;
         bool operator==(const Entry&) const = default;
     };
-    using Entries = std::map<std::string, Entry>;  ///< by path: relative to the manifest's folder if the file is below it, else absolute
+    using Entries = std::map<std::string, Entry>;  ///< by path: relative to the manifest's folder
+                                                   ///< if the file is below it, else absolute
 
-    /// Reads the manifest if there is one. @throws Failure (input) if it can't be read, or a line is damaged; Failure if there is none and
-    /// none can be written
+    /// Reads the manifest if there is one.
+    /// @throws Failure (input) if it can't be read, or a line is damaged; Failure if there is none
+    ///   and none can be written
     explicit Manifest(std::string path);
 
-    /// Compares what earlier runs know of a file. @throws Failure (input) if the manifest lists another content
+    /// Compares what earlier runs know of a file.
+    /// @throws Failure (input) if the manifest lists another content
     void require(const std::string& file, const Entry& known);
-    /// Reads a file and compares it, at the first call for the file. @throws Failure (input) if it can't be read, or is not as the
-    /// manifest or, if that does not list it, an earlier run knows it
+    /// Reads a file and compares it, at the first call for the file.
+    /// @throws Failure (input) if it can't be read, or is not as the manifest or, if that does not
+    ///   list it, an earlier run knows it
     void require(const std::string& file);
 
     struct Counts {
         std::size_t listed = 0, added = 0;  ///< files
     };
-    /// Adds the files that were compared and that the manifest does not list. Other processes may do so at the same time.
-    /// @throws Failure (input) if one of them met another content of such a file; Failure if the manifest can't be written
+    /// Adds the files that were compared and that the manifest does not list. Other processes may
+    /// do so at the same time.
+    /// @throws Failure (input) if one of them met another content of such a file; Failure if the
+    ///   manifest can't be written
     Counts save();
 
 private:

@@ -1,7 +1,7 @@
 #include "runtime/keep/packs.h"
 
-#include "graph/input_file.h"
-#include "graph/text/problem.h"
+#include "carve/base/failure.h"
+#include "formats/file/input_file.h"
 #include "runtime/keep/descriptor.h"
 
 #include <fmt/format.h>
@@ -41,12 +41,14 @@ static_assert(sizeof(RecordHead) == 16 + 16 + 8 + 8 + 16 + 16);
 Key sum_of(const void* data, std::size_t size) { return ContentHash().bytes(data, size).digest(); }
 
 bool is_whole(const RecordHead& head) {
-    return std::string_view(head.magic.data(), head.magic.size()) == pack_magic && head.seal == sum_of(&head, offsetof(RecordHead, seal));
+    return std::string_view(head.magic.data(), head.magic.size()) == pack_magic &&
+           head.seal == sum_of(&head, offsetof(RecordHead, seal));
 }
 
 bool read_at(int file, std::uint64_t offset, void* into, std::size_t size) {
     for (std::size_t done = 0; done < size;) {
-        const auto got = pread(file, static_cast<char*>(into) + done, size - done, static_cast<off_t>(offset + done));
+        const auto got = pread(file, static_cast<char*>(into) + done, size - done,
+                               static_cast<off_t>(offset + done));
         if (got < 0 && errno == EINTR) continue;
         if (got <= 0) return false;
         done += static_cast<std::size_t>(got);
@@ -71,7 +73,9 @@ std::uint64_t size_of(int file) {
 }
 
 std::uint64_t nanoseconds_now() {
-    return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count());
+    return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                          std::chrono::system_clock::now().time_since_epoch())
+                                          .count());
 }
 
 std::string random_name() {
@@ -96,7 +100,9 @@ std::optional<std::vector<char>> Packs::read(const Key& key) {
     std::vector<char> out(place.size);
     const bool there = file.number >= 0;
     errno = there ? 0 : -file.number;
-    if (there && read_at(file.number, place.offset, out.data(), out.size()) && sum_of(out.data(), out.size()) == place.sum) return out;
+    if (there && read_at(file.number, place.offset, out.data(), out.size()) &&
+        sum_of(out.data(), out.size()) == place.sum)
+        return out;
     const int code = errno;
     lock.lock();
     note(path_of(pack, closed), code);
@@ -124,7 +130,9 @@ void Packs::add(const Key& key, std::span<const char> bytes) {
     if (own_file_ < 0) begin_own();
     auto& pack = packs_[own_];
     auto& place = places_[key];
-    const Place now{own_, pack.end + sizeof(RecordHead), bytes.size(), std::max(nanoseconds_now(), place.written + 1), sum_of(bytes.data(), bytes.size())};
+    const Place now{own_, pack.end + sizeof(RecordHead), bytes.size(),
+                    std::max(nanoseconds_now(), place.written + 1),
+                    sum_of(bytes.data(), bytes.size())};
     RecordHead head{{}, key, now.size, now.written, now.sum, {}};
     std::ranges::copy(pack_magic, head.magic.begin());
     head.seal = sum_of(&head, offsetof(RecordHead, seal));
@@ -132,19 +140,25 @@ void Packs::add(const Key& key, std::span<const char> bytes) {
     std::memcpy(record.data(), &head, sizeof head);
     std::ranges::copy(bytes, record.begin() + sizeof head);
     if (!write_at(own_file_, pack.end, record)) {
-        const auto fault = fmt::format("cannot write {}: {}", path_of(pack, opened), std::strerror(errno));
-        if (ftruncate(own_file_, static_cast<off_t>(pack.end)) == 0 && pack.end == 0) unlink(path_of(pack, opened).c_str());
+        const auto fault =
+            fmt::format("cannot write {}: {}", path_of(pack, opened), std::strerror(errno));
+        if (ftruncate(own_file_, static_cast<off_t>(pack.end)) == 0 && pack.end == 0)
+            unlink(path_of(pack, opened).c_str());
         end_own();
         throw Failure(fault);
     }
     place = now;
     pack.end += record.size();
-    if (pack.end >= full && !end_own()) throw Failure(fmt::format("cannot write {}: {}", path_of(pack, opened), std::strerror(errno)));
+    if (pack.end >= full && !end_own())
+        throw Failure(
+            fmt::format("cannot write {}: {}", path_of(pack, opened), std::strerror(errno)));
 }
 
 void Packs::finish() {
     const std::lock_guard lock(mutex_);
-    if (!end_own()) throw Failure(fmt::format("cannot write {}: {}", path_of(packs_[own_], closed), std::strerror(errno)));
+    if (!end_own())
+        throw Failure(fmt::format("cannot write {}: {}", path_of(packs_[own_], closed),
+                                  std::strerror(errno)));
 }
 
 void Packs::drop(const Key& key) {
@@ -158,7 +172,8 @@ void Packs::touch(const Key& key) {
     if (found == places_.end() || found->second.size == 0) return;
     auto& pack = packs_[found->second.pack];
     if (std::exchange(pack.touched, true)) return;
-    for (const auto* const ending : {closed, opened}) utimensat(AT_FDCWD, path_of(pack, ending).c_str(), nullptr, 0);
+    for (const auto* const ending : {closed, opened})
+        utimensat(AT_FDCWD, path_of(pack, ending).c_str(), nullptr, 0);
 }
 
 std::size_t Packs::damaged() const {
@@ -172,7 +187,8 @@ std::string Packs::unread() const {
 }
 
 void Packs::note(const std::string& path, int error) {
-    if (error != 0 && error != ENOENT && unread_.empty()) unread_ = fmt::format("cannot read {}: {}", path, std::strerror(error));
+    if (error != 0 && error != ENOENT && unread_.empty())
+        unread_ = fmt::format("cannot read {}: {}", path, std::strerror(error));
 }
 
 bool Packs::is_name(std::string_view name) {
@@ -185,7 +201,8 @@ bool Packs::is_pack(const fs::path& file) { return begins_with(file, pack_magic)
 void Packs::scan() {
     if (folder_.empty() || std::exchange(scanned_, true)) return;
     std::error_code error;
-    for (fs::directory_iterator each(folder_, error), end; !error && each != end; each.increment(error)) {
+    for (fs::directory_iterator each(folder_, error), end; !error && each != end;
+         each.increment(error)) {
         const auto name = each->path().filename().string();
         if (!is_name(name)) continue;
         packs_.push_back({name.substr(0, name_digits)});
@@ -214,7 +231,10 @@ void Packs::scan(std::size_t n, int file) {
 int Packs::open_pack(const Pack& pack) const {
     int error = ENOENT;
     for (const auto* const ending : {closed, opened, closed}) {
-        if (const int file = open(path_of(pack, ending).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK); file >= 0) return file;
+        if (const int file =
+                open(path_of(pack, ending).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
+            file >= 0)
+            return file;
         if (errno != ENOENT) error = errno;
     }
     return -error;
@@ -225,10 +245,14 @@ void Packs::begin_own() {
         if (packs_[n].end > 0 && packs_[n].end < full && claim(n)) return;
     std::error_code error;
     fs::create_directories(folder_, error);
-    if (error) throw Failure(fmt::format("cannot write into {}: the folder cannot be made: {}", folder_, error.message()));
+    if (error)
+        throw Failure(fmt::format("cannot write into {}: the folder cannot be made: {}", folder_,
+                                  error.message()));
     Pack pack{random_name()};
     own_file_ = open(path_of(pack, opened).c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (own_file_ < 0) throw Failure(fmt::format("cannot write {}: {}", path_of(pack, opened), std::strerror(errno)));
+    if (own_file_ < 0)
+        throw Failure(
+            fmt::format("cannot write {}: {}", path_of(pack, opened), std::strerror(errno)));
     own_ = packs_.size();
     packs_.push_back(std::move(pack));
 }
@@ -238,7 +262,8 @@ bool Packs::claim(std::size_t n) {
     if (std::rename(free.c_str(), mine.c_str()) != 0) return false;
     own_file_ = open(mine.c_str(), O_RDWR | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
     own_ = n;
-    // Another process may have gone on with it since it was scanned. Nothing is appended behind damaged records.
+    // Another process may have gone on with it since it was scanned. Nothing is appended behind
+    // damaged records.
     if (own_file_ >= 0) scan(n, own_file_);
     const auto size = own_file_ < 0 ? 0 : size_of(own_file_);
     if (size > 0 && size == packs_[n].end && size < full) return true;

@@ -14,16 +14,19 @@
 
 namespace fluidcarve {
 
-/// Small records of a folder, found by their keys. They lie many to a file, a pack, so that a sequence of thousands of frames makes some
-/// files and not one for each fact. Any number of processes may share the folder without locks: only one at a time appends to a pack,
-/// and readers take a record only if its head and its end are there. So a process that is killed leaves whole records, or none.
+/// Small records of a folder, found by their keys. They lie many to a file, a pack, so that a
+/// sequence of thousands of frames makes some files and not one for each fact. Any number of
+/// processes may share the folder without locks: only one at a time appends to a pack, and readers
+/// take a record only if its head and its end are there. So a process that is killed leaves whole
+/// records, or none.
 ///
-/// A pack is called `HEX.open` while a process appends to it, then `HEX.pack`, with 32 random digits. A process that has something to
-/// append goes on with a pack that is not full, which it claims by renaming it. What a killed process left open is only read.
-/// Thread-safe.
+/// A pack is called `HEX.open` while a process appends to it, then `HEX.pack`, with 32 random
+/// digits. A process that has something to append goes on with a pack that is not full, which it
+/// claims by renaming it. What a killed process left open is only read. Thread-safe.
 class Packs {
 public:
-    static constexpr std::uint64_t full = std::uint64_t{16} << 20;  ///< bytes from which on nothing is appended to a pack
+    static constexpr std::uint64_t full =
+        std::uint64_t{16} << 20;  ///< bytes from which on nothing is appended to a pack
 
     /// @param folder  where the packs are; empty: nothing is kept
     explicit Packs(std::string folder) : folder_(std::move(folder)) {}
@@ -31,14 +34,17 @@ public:
     Packs(const Packs&) = delete;
     Packs& operator=(const Packs&) = delete;
 
-    /// The newest record of a key, with every byte intact; nothing if there is none, or it is damaged. Records that other processes
-    /// append after the first call may stay unseen.
+    /// The newest record of a key, with every byte intact; nothing if there is none, or it is
+    /// damaged. Records that other processes append after the first call may stay unseen.
     std::optional<std::vector<char>> read(const Key& key);
-    /// Makes the next call find what other processes have appended since. What this process appends goes on in another pack.
+    /// Makes the next call find what other processes have appended since. What this process appends
+    /// goes on in another pack.
     void look_again();
-    /// Appends a record, which takes the place of earlier ones of its key. @throws Failure if it can't be written
+    /// Appends a record, which takes the place of earlier ones of its key.
+    /// @throws Failure if it can't be written
     void add(const Key& key, std::span<const char> bytes);
-    /// Closes the pack that this process appends to. @throws Failure if the system has lost a part of it
+    /// Closes the pack that this process appends to.
+    /// @throws Failure if the system has lost a part of it
     void finish();
     /// Takes the record of a key for missing until another is added.
     void drop(const Key& key);
@@ -46,7 +52,8 @@ public:
     void touch(const Key& key);
     /// Number of damaged records that `read` found.
     std::size_t damaged() const;
-    /// Why records that may be there are not found: what the system refused first, with the path. Empty: nothing.
+    /// Why records that may be there are not found: what the system refused first, with the path.
+    /// Empty: nothing.
     std::string unread() const;
 
     /// Whether a file of this name is a pack, if it begins as one.
@@ -64,15 +71,17 @@ private:
     struct Place {
         std::size_t pack = 0;
         std::uint64_t offset = 0, size = 0;  ///< bytes; a size of 0: it was dropped
-        std::uint64_t written = 0;           ///< ns since 1970, and later than the record that it replaced
-        Key sum;                             ///< checksum
+        std::uint64_t written = 0;  ///< ns since 1970, and later than the record that it replaced
+        Key sum;                    ///< checksum
     };
 
     struct HashOfKey {
         std::size_t operator()(const Key& key) const { return key.low; }
     };
 
-    std::string path_of(const Pack& pack, const char* ending) const { return folder_ + "/" + pack.name + ending; }
+    std::string path_of(const Pack& pack, const char* ending) const {
+        return folder_ + "/" + pack.name + ending;
+    }
     /// Finds the records of all packs, at the first call.
     void scan();
     /// Finds the records of an open pack from its known end on.

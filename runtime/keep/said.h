@@ -8,7 +8,8 @@
 
 namespace fluidcarve {
 
-/// Warnings and report entries of a node body. They are cached with its result, and repeated when the result is taken from the cache.
+/// Warnings and report entries of a node body. They are cached with its result, and repeated when
+/// the result is taken from the cache.
 struct Said {
     std::vector<std::string> warnings;
     std::map<std::string, nlohmann::ordered_json> report;  ///< by section

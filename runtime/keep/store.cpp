@@ -1,6 +1,6 @@
 #include "runtime/keep/store.h"
 
-#include "graph/output_file.h"
+#include "formats/file/output_file.h"
 #include "runtime/keep/work_folder.h"
 
 #include <algorithm>
@@ -10,11 +10,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t most_alternatives = 16;  ///< remembered contents of a writer's files, per result
+constexpr std::size_t most_alternatives =
+    16;  ///< remembered contents of a writer's files, per result
 
 }  // namespace
 
-Store::Store(const Pipeline& pipeline, const Dependencies& dependencies, Keys& keys, Cache& cache, FileHashes& files)
+Store::Store(const Pipeline& pipeline, const Dependencies& dependencies, Keys& keys, Cache& cache,
+             FileHashes& files)
     : pipeline_(pipeline), dependencies_(dependencies), keys_(keys), cache_(cache), files_(files) {}
 
 std::vector<std::string> Store::outputs(std::size_t n, std::size_t place) const {
@@ -23,7 +25,8 @@ std::vector<std::string> Store::outputs(std::size_t n, std::size_t place) const 
     for (const auto& spec : node.type->params)
         if (spec.shape.kind == Shape::Kind::output_path)
             if (const auto& path = spec.path(node.params.get()); !path.text().empty())
-                out.push_back(path.at(dependencies_.frames().at(node.rate == Rate::frame ? place : 0)));
+                out.push_back(
+                    path.at(dependencies_.frames().at(node.rate == Rate::frame ? place : 0)));
     return out;
 }
 
@@ -53,14 +56,16 @@ bool Store::knows(std::size_t n, std::size_t place) {
 
 std::optional<GrownResult> Store::grown(std::size_t n) {
     const auto& node = pipeline_.nodes[n];
-    if (!node.type->growth || !node.kept || !cache_.on() || node.rate == Rate::frame) return std::nullopt;
+    if (!node.type->growth || !node.kept || !cache_.on() || node.rate == Rate::frame)
+        return std::nullopt;
     const auto header = cache_.look(key(n, 0));
     return header && header->contains("outputs") ? GrownResult::in(*header) : std::nullopt;
 }
 
 bool Store::knows_digest(std::size_t n, std::size_t place) {
     const auto& node = pipeline_.nodes[n];
-    const bool there = node.digests_kept && node.type->digest != typeid(void) && cache_.look(keys_.taken(n, place));
+    const bool there = node.digests_kept && node.type->digest != typeid(void) &&
+                       cache_.look(keys_.taken(n, place));
     if (there) cache_.touch(keys_.taken(n, place));
     return there;
 }
@@ -99,7 +104,8 @@ std::optional<std::vector<Payload>> Store::result(std::size_t n, std::size_t pla
 
 std::optional<Payload> Store::digest(std::size_t n, std::size_t place) {
     auto entry = cache_.load(keys_.taken(n, place));
-    if (!entry || entry->outputs.size() != 1 || !entry->outputs.front() || entry->outputs.front().type() != pipeline_.nodes[n].type->digest)
+    if (!entry || entry->outputs.size() != 1 || !entry->outputs.front() ||
+        entry->outputs.front().type() != pipeline_.nodes[n].type->digest)
         return std::nullopt;
     return std::move(entry->outputs.front());
 }
@@ -116,7 +122,8 @@ Json Store::header_of(const Said& said) const {
     return out;
 }
 
-void Store::keep(std::size_t n, std::size_t place, const std::vector<Payload>& outputs, const Said& said) {
+void Store::keep(std::size_t n, std::size_t place, const std::vector<Payload>& outputs,
+                 const Said& said) {
     const auto& node = pipeline_.nodes[n];
     if (node.kept && pipeline_.writes(n)) return keep_files(n, place, said);
     if (node.kept && !outputs.empty()) {
@@ -140,22 +147,28 @@ void Store::keep_files(std::size_t n, std::size_t place, const Said& said) {
     }
     auto header = header_of(said);
     header["files"] = Json::array({now});
-    // The same result may have been written to several paths, with different bytes: some writers put a unique id into each file.
+    // The same result may have been written to several paths, with different bytes: some writers
+    // put a unique id into each file.
     if (const auto there = cache_.look(key(n, place)))
         for (const auto& were : there->value("files", Json::array()))
-            if (were != now && header["files"].size() < most_alternatives) header["files"].push_back(were);
+            if (were != now && header["files"].size() < most_alternatives)
+                header["files"].push_back(were);
     cache_.store(key(n, place), std::move(header), {});
 }
 
 void Store::keep_digest(std::size_t n, std::size_t place, const Payload& digest, const Said& said) {
-    if (pipeline_.nodes[n].digests_kept && digest) cache_.store(keys_.taken(n, place), header_of(said), {digest});
+    if (pipeline_.nodes[n].digests_kept && digest)
+        cache_.store(keys_.taken(n, place), header_of(said), {digest});
 }
 
-void Store::keep_grown(std::size_t n, std::size_t place, const Payload& result, const Said& said, bool part) {
+void Store::keep_grown(std::size_t n, std::size_t place, const Payload& result, const Said& said,
+                       bool part) {
     if (!cache_.on() || !result) return;
     const auto& growth = *pipeline_.nodes[n].type->growth;
     const bool exhausted = growth.exhausted && growth.exhausted(grown_entry(said));
-    const GrownResult grown{growth.extent(result), cache_.registry().payload(result.type()).bytes(result), part, exhausted};
+    const GrownResult grown{growth.extent(result),
+                            cache_.registry().payload(result.type()).bytes(result), part,
+                            exhausted};
     if (const auto there = cache_.look(key(n, place)))
         if (const auto kept = GrownResult::in(*there); kept && kept->holds(grown)) return;
     auto header = header_of(said);

@@ -15,19 +15,26 @@
 
 namespace fluidcarve {
 
-/// The results of a pipeline's nodes, found by node and frame: the store knows which entry of the Cache is whose, and whether it still
-/// serves. It holds results of former runs and of this one. Thread-safe.
+/// The results of a pipeline's nodes, found by node and frame: the store knows which entry of the
+/// Cache is whose, and whether it still serves. It holds results of former runs and of this one.
+/// Thread-safe.
 /// A `place` is an index in the sequence of frames; it is ignored for nodes that deliver once.
 class Store {
 public:
-    Store(const Pipeline& pipeline, const Dependencies& dependencies, Keys& keys, Cache& cache, FileHashes& files);
+    Store(const Pipeline& pipeline, const Dependencies& dependencies, Keys& keys, Cache& cache,
+          FileHashes& files);
 
-    /// Whether a result need not be computed: it is cached and, if it grows, large enough; or, for a writer, its files are up to date.
+    /// Whether a result need not be computed: it is cached and, if it grows, large enough; or, for
+    /// a writer, its files are up to date.
     bool knows(std::size_t node, std::size_t place);
     bool knows_digest(std::size_t node, std::size_t place);
     /// The same, but reads the whole entry; a damaged one does not count.
-    bool knows_whole(std::size_t node, std::size_t place) { return knows(node, place) && cache_.whole(keys_.kept(node, place)); }
-    bool knows_whole_digest(std::size_t node, std::size_t place) { return knows_digest(node, place) && cache_.whole(keys_.taken(node, place)); }
+    bool knows_whole(std::size_t node, std::size_t place) {
+        return knows(node, place) && cache_.whole(keys_.kept(node, place));
+    }
+    bool knows_whole_digest(std::size_t node, std::size_t place) {
+        return knows_digest(node, place) && cache_.whole(keys_.taken(node, place));
+    }
     /// How much of a growing result is kept; nothing: none of it is.
     std::optional<GrownResult> grown(std::size_t node);
     /// Warnings and report entries from the computation of a cached result.
@@ -41,13 +48,18 @@ public:
     std::optional<std::pair<Payload, nlohmann::ordered_json>> part(std::size_t node);
 
     /// Caches the outputs of a body if the node is cached, and what it said.
-    void keep(std::size_t node, std::size_t place, const std::vector<Payload>& outputs, const Said& said);
+    void keep(std::size_t node, std::size_t place, const std::vector<Payload>& outputs,
+              const Said& said);
     void keep_digest(std::size_t node, std::size_t place, const Payload& digest, const Said& said);
-    /// Caches a growing result, unless the entry already holds more. @param part  whether the node is still working on it
-    void keep_grown(std::size_t node, std::size_t place, const Payload& result, const Said& said, bool part);
+    /// Caches a growing result, unless the entry already holds more.
+    /// @param part  whether the node is still working on it
+    void keep_grown(std::size_t node, std::size_t place, const Payload& result, const Said& said,
+                    bool part);
 
     /// Paths of the files that a node may read for the frame at a place.
-    std::vector<std::string> inputs(std::size_t node, std::size_t place) const { return dependencies_.watched_files(node, place); }
+    std::vector<std::string> inputs(std::size_t node, std::size_t place) const {
+        return dependencies_.watched_files(node, place);
+    }
     /// Paths of the files that a writer writes for the frame at a place.
     std::vector<std::string> outputs(std::size_t node, std::size_t place) const;
 

@@ -1,9 +1,9 @@
 #include "runtime/keep/work_folder.h"
 
-#include "graph/confinement.h"
-#include "graph/input_file.h"
-#include "graph/output_file.h"
-#include "graph/text/problem.h"
+#include "carve/base/failure.h"
+#include "formats/file/confinement.h"
+#include "formats/file/input_file.h"
+#include "formats/file/output_file.h"
 #include "runtime/keep/content_hash.h"
 #include "runtime/keep/entry_header.h"
 #include "runtime/keep/packs.h"
@@ -23,15 +23,20 @@ namespace fs = std::filesystem;
 
 constexpr std::array parts{"cache", "files", "history", "jobs", "runs"};
 constexpr auto mark_name = "CACHEDIR.TAG";
-// The signature is that of the Cache Directory Tagging Specification: backups leave such folders out.
+// The signature is that of the Cache Directory Tagging Specification: backups leave such folders
+// out.
 constexpr auto mark_text =
-    "Signature: 8a477f597d28d172789f06886806bc55\n# A work folder of fluidcarve: results that it can compute again.\n# `fluidcarve clean` removes them.\n";
+    "Signature: 8a477f597d28d172789f06886806bc55\n# A work folder of fluidcarve: results that it "
+    "can compute again.\n# `fluidcarve clean` removes them.\n";
 constexpr std::string_view mark_line = "# A work folder of fluidcarve";
 constexpr auto unasked = std::chrono::hours(24 * 30);
-constexpr auto forgotten = std::chrono::hours(24);  ///< age at which a temporary file counts as left by a killed run
+constexpr auto forgotten =
+    std::chrono::hours(24);  ///< age at which a temporary file counts as left by a killed run
 
 bool is_hex(std::string_view text, std::size_t length) {
-    return text.size() == length && std::ranges::all_of(text, [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
+    return text.size() == length && std::ranges::all_of(text, [](char c) {
+               return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
+           });
 }
 
 /// Regular files below a folder, links not followed. @param depth  folders between it and the files
@@ -39,9 +44,11 @@ std::vector<fs::path> files_in(const fs::path& folder, int depth) {
     std::vector<fs::path> out;
     std::error_code error;
     if (fs::symlink_status(folder, error).type() != fs::file_type::directory) return out;
-    for (fs::directory_iterator each(folder, error), end; !error && each != end; each.increment(error)) {
+    for (fs::directory_iterator each(folder, error), end; !error && each != end;
+         each.increment(error)) {
         const auto type = each->symlink_status(error).type();
-        if (depth > 0 && type == fs::file_type::directory && is_hex(each->path().filename().string(), 2))
+        if (depth > 0 && type == fs::file_type::directory &&
+            is_hex(each->path().filename().string(), 2))
             for (auto& file : files_in(each->path(), depth - 1)) out.push_back(std::move(file));
         if (depth == 0 && type == fs::file_type::regular) out.push_back(each->path());
     }
@@ -58,18 +65,21 @@ std::vector<fs::path> hashed_files(const fs::path& folder) {
 /// Files that are named as packs are.
 std::vector<fs::path> pack_files(const fs::path& folder) {
     auto out = files_in(folder, 0);
-    std::erase_if(out, [](const fs::path& file) { return !Packs::is_name(file.filename().string()); });
+    std::erase_if(out,
+                  [](const fs::path& file) { return !Packs::is_name(file.filename().string()); });
     return out;
 }
 
 std::vector<fs::path> temporary_files(const fs::path& folder) {
     auto out = files_in(folder, 1);
     for (auto& file : files_in(folder, 0)) out.push_back(std::move(file));
-    std::erase_if(out, [](const fs::path& file) { return !OutputFile::is_aside(file.filename().string()); });
+    std::erase_if(
+        out, [](const fs::path& file) { return !OutputFile::is_aside(file.filename().string()); });
     return out;
 }
 
-/// Whether a file holds two hashes: that of an input file and a checksum, as earlier versions wrote them.
+/// Whether a file holds two hashes: that of an input file and a checksum, as earlier versions wrote
+/// them.
 bool is_file_hash(const fs::path& file) {
     std::string text, seal, more;
     std::istringstream in(text_of_own_file(file));
@@ -82,20 +92,27 @@ bool is_record(const fs::path& file, bool run) {
     if (file.extension() != ".json") return false;
     const auto record = nlohmann::json::parse(text_of_own_file(file), nullptr, false);
     if (!record.is_object()) return false;
-    if (run) return record.contains("pid") && record.contains("host") && record.contains("pipeline") && record.contains("nodes");
-    return std::ranges::all_of(record, [](const auto& node) { return node.is_object() && node.contains("type") && node.contains("version"); });
+    if (run)
+        return record.contains("pid") && record.contains("host") && record.contains("pipeline") &&
+               record.contains("nodes");
+    return std::ranges::all_of(record, [](const auto& node) {
+        return node.is_object() && node.contains("type") && node.contains("version");
+    });
 }
 
-/// What fluidcarve wrote into the folder of a farm's job: what its tasks say, logs of the local engine, which begin with a command, and the job,
-/// which comes last.
+/// What fluidcarve wrote into the folder of a farm's job: what its tasks say, logs of the local
+/// engine, which begin with a command, and the job, which comes last.
 std::vector<fs::path> files_of_job(const fs::path& folder) {
     std::vector<fs::path> out;
     for (const auto& file : files_in(folder / "tasks", 0))
-        if (is_record(file, true) || OutputFile::is_aside(file.filename().string())) out.push_back(file);
+        if (is_record(file, true) || OutputFile::is_aside(file.filename().string()))
+            out.push_back(file);
     for (const auto& file : files_in(folder / "logs", 0))
         if (file.extension() == ".log" && begins_with(file, "$ ")) out.push_back(file);
     const auto job = nlohmann::json::parse(text_of_own_file(folder / "job.json"), nullptr, false);
-    if (job.is_object() && job.contains("pipeline") && job.contains("engine") && job.contains("steps")) out.push_back(folder / "job.json");
+    if (job.is_object() && job.contains("pipeline") && job.contains("engine") &&
+        job.contains("steps"))
+        out.push_back(folder / "job.json");
     return out;
 }
 
@@ -106,14 +123,18 @@ std::string made_for(const fs::path& file, const fs::path& root) {
     const auto pipeline_in = [](const fs::path& path) {
         const auto record = nlohmann::json::parse(text_of_own_file(path), nullptr, false);
         const auto pipeline = record.is_object() ? record.find("pipeline") : record.end();
-        return pipeline != record.end() && pipeline->is_string() ? shot_of(pipeline->get<std::string>()) : std::string();
+        return pipeline != record.end() && pipeline->is_string()
+                   ? shot_of(pipeline->get<std::string>())
+                   : std::string();
     };
     if (part == "history") return file.stem().string();
     if (part == "runs") return pipeline_in(file);
     if (part == "jobs") return pipeline_in(root / part / *std::next(inside.begin()) / "job.json");
     if (part != "cache") return {};
     const auto header = entry_header(file.string());
-    return header && header->contains("shot") && (*header)["shot"].is_string() ? (*header)["shot"].get<std::string>() : std::string();
+    return header && header->contains("shot") && (*header)["shot"].is_string()
+               ? (*header)["shot"].get<std::string>()
+               : std::string();
 }
 
 bool older(const fs::path& file, std::chrono::seconds age) {
@@ -129,9 +150,11 @@ std::string shot_of(const std::string& pipeline) { return fs::path(pipeline).ste
 void WorkFolder::make() const {
     std::error_code error;
     fs::create_directories(path_, error);
-    if (error && !fs::is_directory(path_)) throw Failure(fmt::format("cannot make the work folder {}: {}", path_, error.message()));
+    if (error && !fs::is_directory(path_))
+        throw Failure(fmt::format("cannot make the work folder {}: {}", path_, error.message()));
     // A run that was killed here has left the mark's temporary file.
-    for (fs::directory_iterator each(path_, error), end; !error && each != end; each.increment(error))
+    for (fs::directory_iterator each(path_, error), end; !error && each != end;
+         each.increment(error))
         if (!OutputFile::is_aside(each->path().filename().string())) return;
     if (!error) OutputFile::write(path_ + "/" + mark_name, mark_text);
 }
@@ -149,7 +172,8 @@ std::string WorkFolder::unread() const {
     for (const auto& folder : folders) {
         std::error_code error;
         const fs::directory_iterator opened(folder, error);
-        if (error && error != std::errc::no_such_file_or_directory && error != std::errc::not_a_directory)
+        if (error && error != std::errc::no_such_file_or_directory &&
+            error != std::errc::not_a_directory)
             return fmt::format("cannot look through {}: {}", folder.string(), error.message());
     }
     return {};
@@ -159,17 +183,22 @@ std::string WorkFolder::link_fault() const {
     std::error_code none;
     for (const auto* const part : parts)
         if (const auto inside = fs::path(path_) / part; fs::is_symlink(inside, none))
-            return fmt::format("'{}' is a link: what it leads to may belong to others; make it a folder, or name another with --work", inside.string());
+            return fmt::format(
+                "'{}' is a link: what it leads to may belong to others; make it a folder, or name "
+                "another with --work",
+                inside.string());
     return {};
 }
 
 std::string WorkFolder::fault() const {
     std::error_code error;
-    if (!fs::exists(path_, error) || (fs::is_directory(path_, error) && fs::is_empty(path_, error))) return {};
+    if (!fs::exists(path_, error) || (fs::is_directory(path_, error) && fs::is_empty(path_, error)))
+        return {};
     if (!marked())
         return fmt::format(
-            "'{}' is not a work folder of fluidcarve: it has no {} written by fluidcarve, so nothing in it may be removed; name another with --work", path_,
-            mark_name);
+            "'{}' is not a work folder of fluidcarve: it has no {} written by fluidcarve, so "
+            "nothing in it may be removed; name another with --work",
+            path_, mark_name);
     return link_fault();
 }
 
@@ -181,7 +210,9 @@ std::string WorkFolder::refusal() const {
     return out;
 }
 
-bool WorkFolder::is_entry(const fs::path& file) { return begins_with(file, entry_magic) || Packs::is_pack(file); }
+bool WorkFolder::is_entry(const fs::path& file) {
+    return begins_with(file, entry_magic) || Packs::is_pack(file);
+}
 
 std::vector<WorkFolder::Entry> WorkFolder::entries() const {
     std::vector<Entry> out;
@@ -233,10 +264,12 @@ WorkFolder::Cleaned WorkFolder::clean(const Wish& wish) const {
     Cleaned out;
     std::error_code error, ignored;
     std::size_t all = 0;
-    for (fs::recursive_directory_iterator each(root, error), end; !error && each != end; each.increment(error))
+    for (fs::recursive_directory_iterator each(root, error), end; !error && each != end;
+         each.increment(error))
         all += !each->is_directory(ignored) && each->path() != root / mark_name ? 1 : 0;
     // Else the mark would go, though there may be more files.
-    if (error && error != std::errc::no_such_file_or_directory) throw Failure(fmt::format("cannot look through {}: {}", path_, error.message()));
+    if (error && error != std::errc::no_such_file_or_directory)
+        throw Failure(fmt::format("cannot look through {}: {}", path_, error.message()));
     for (const auto& file : ours) {
         if (wish.shot && made_for(file, root) != *wish.shot) {
             ++out.apart;
@@ -248,7 +281,8 @@ WorkFolder::Cleaned WorkFolder::clean(const Wish& wish) const {
         }
         const auto bytes = fs::file_size(file, ignored);
         if (!wish.dry_run && !fs::remove(file, error)) {
-            if (error) throw Failure(fmt::format("cannot remove {}: {}", file.string(), error.message()));
+            if (error)
+                throw Failure(fmt::format("cannot remove {}: {}", file.string(), error.message()));
             continue;  // another process removed it
         }
         ++out.removed;

@@ -9,8 +9,9 @@
 
 namespace fluidcarve {
 
-/// The folder that keeps results between runs. It bears a mark, a file CACHEDIR.TAG, if fluidcarve made it. Nothing is ever removed from a
-/// folder without the mark, and from one with it only files that fluidcarve wrote: by their names and their first bytes.
+/// The folder that keeps results between runs. It bears a mark, a file CACHEDIR.TAG, if fluidcarve
+/// made it. Nothing is ever removed from a folder without the mark, and from one with it only files
+/// that fluidcarve wrote: by their names and their first bytes.
 class WorkFolder {
 public:
     explicit WorkFolder(std::string path) : path_(std::move(path)) {}
@@ -18,14 +19,17 @@ public:
     /// Makes the folder and marks it if it is missing or empty. @throws Failure if it can't be made
     void make() const;
     bool marked() const;
-    /// Why nothing tells what is in the folder: it, or a part of it, is there and can't be listed. Empty: it can, or is not there.
+    /// Why nothing tells what is in the folder: it, or a part of it, is there and can't be listed.
+    /// Empty: it can, or is not there.
     std::string unread() const;
-    /// What keeps fluidcarve from removing files in the folder, with the remedy; empty: nothing, or there is no folder.
+    /// What keeps fluidcarve from removing files in the folder, with the remedy; empty: nothing, or
+    /// there is no folder.
     std::string fault() const;
     /// Why nothing may be kept in the folder: a part of it is a link. Empty: none is.
     std::string link_fault() const;
 
-    /// Why --confine forbids the folder or a part of it, which may be a link, and the remedy, to follow its path; empty: it does not.
+    /// Why --confine forbids the folder or a part of it, which may be a link, and the remedy, to
+    /// follow its path; empty: it does not.
     std::string refusal() const;
 
     /// A file with a cached result, or a pack of them.
@@ -36,16 +40,19 @@ public:
     };
     /// All files with cached results, by their names. A file of another form is none.
     std::vector<Entry> entries() const;
-    /// Packs of hashes of input files that were not used for 30 days, and temporary files of killed runs that are older than a day.
+    /// Packs of hashes of input files that were not used for 30 days, and temporary files of killed
+    /// runs that are older than a day.
     std::vector<std::filesystem::path> outdated() const;
     /// Whether a file begins as a cached result or a pack does.
     static bool is_entry(const std::filesystem::path& file);
 
     /// What `clean` is to remove.
     struct Wish {
-        std::optional<std::chrono::seconds> older{};  ///< only what was not used for so long; nothing: all
-        bool dry_run = false;                         ///< only counts
-        std::optional<std::string> shot{};            ///< only what a run of this shot made (shot_of); results of up to 64 KB stay
+        std::optional<std::chrono::seconds>
+            older{};           ///< only what was not used for so long; nothing: all
+        bool dry_run = false;  ///< only counts
+        std::optional<std::string>
+            shot{};  ///< only what a run of this shot made (shot_of); results of up to 64 KB stay
     };
     /// What `clean` did, or would do.
     struct Cleaned {
@@ -55,14 +62,16 @@ public:
         std::size_t apart = 0;    ///< files of other shots, or of several
         std::size_t left = 0;     ///< files of others, which stay
     };
-    /// Removes files that fluidcarve wrote, and folders that are then empty. @throws Failure if one can't be removed
+    /// Removes files that fluidcarve wrote, and folders that are then empty.
+    /// @throws Failure if one can't be removed
     Cleaned clean(const Wish& wish) const;
 
 private:
     std::string path_;
 };
 
-/// The shot that a pipeline carves: the name of its file, without folder and ending. Results are told apart by it.
+/// The shot that a pipeline carves: the name of its file, without folder and ending. Results are
+/// told apart by it.
 std::string shot_of(const std::string& pipeline);
 
 }  // namespace fluidcarve

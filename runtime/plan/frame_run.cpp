@@ -6,7 +6,8 @@
 namespace fluidcarve {
 
 bool Wiring::failed_before(std::size_t node, const FrameRun& frame) const {
-    return std::ranges::any_of(sources[node], [&](std::size_t source) { return frame.failed[source] != 0; });
+    return std::ranges::any_of(sources[node],
+                               [&](std::size_t source) { return frame.failed[source] != 0; });
 }
 
 void Wiring::release(std::size_t node, FrameRun& frame) const {

@@ -10,7 +10,8 @@
 
 namespace fluidcarve {
 
-/// The state of one frame during a pass. A node of the pass runs when its last input has arrived. Vectors are per pipeline node.
+/// The state of one frame during a pass. A node of the pass runs when its last input has arrived.
+/// Vectors are per pipeline node.
 struct FrameRun {
     FrameRun(std::size_t place, std::size_t order, const Schedule::Frame& scheduled)
         : place(place),
@@ -26,15 +27,16 @@ struct FrameRun {
     const Schedule::Frame& scheduled;           ///< what the nodes do in this frame
     std::vector<std::vector<Payload>> outputs;  ///< `[node][output]`
     std::vector<std::atomic<int>> waiting;      ///< number of sources that have not delivered yet
-    std::vector<std::atomic<int>> readers;      ///< number of nodes that have yet to read the outputs
-    std::vector<char> failed;                   ///< whether the node failed in this frame
-    std::atomic<int> open{0};                   ///< number of end nodes that have not finished this frame
+    std::vector<std::atomic<int>> readers;  ///< number of nodes that have yet to read the outputs
+    std::vector<char> failed;               ///< whether the node failed in this frame
+    std::atomic<int> open{0};  ///< number of end nodes that have not finished this frame
 };
 
 /// The edges between the nodes of one pass. All numbers are indices of pipeline nodes.
 struct Wiring {
-    std::vector<std::size_t> units;                 ///< nodes of the pass: per-frame nodes, then gatherers
-    std::vector<std::vector<std::size_t>> sources;  ///< per pipeline node: per-frame nodes that it reads, each once
+    std::vector<std::size_t> units;  ///< nodes of the pass: per-frame nodes, then gatherers
+    std::vector<std::vector<std::size_t>>
+        sources;  ///< per pipeline node: per-frame nodes that it reads, each once
     std::vector<std::vector<std::size_t>> readers;  ///< per pipeline node: units that read it
 
     /// Whether a node that this one reads failed in a frame.

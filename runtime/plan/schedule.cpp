@@ -12,7 +12,8 @@ using Take = Schedule::Take;
 /// Makes a Schedule: starts at the targets and follows inputs that are not cached.
 class Scheduler {
 public:
-    Scheduler(const Pipeline& pipeline, const Plan& plan, const std::vector<bool>& delivered, const Known& known)
+    Scheduler(const Pipeline& pipeline, const Plan& plan, const std::vector<bool>& delivered,
+              const Known& known)
         : pipeline_(pipeline), plan_(plan), delivered_(delivered), known_(known) {
         out_.once.assign(pipeline.nodes.size(), Action::none);
         out_.gathers.assign(pipeline.nodes.size(), 0);
@@ -21,9 +22,11 @@ public:
     Schedule make() {
         clear_frames();
         for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n)
-            if (plan_.targets[n] && pipeline_.nodes[n].rate != Rate::frame && !known_.result(n, 0)) work({Visit::once, n});
+            if (plan_.targets[n] && pipeline_.nodes[n].rate != Rate::frame && !known_.result(n, 0))
+                work({Visit::once, n});
         for (std::size_t pass = 0; pass < plan_.passes.size(); ++pass) deliver(pass);
-        // The first round found everything that must run. In the second round later passes load what earlier passes cache.
+        // The first round found everything that must run. In the second round later passes load
+        // what earlier passes cache.
         earlier_kept_ = true;
         clear_frames();
         for (std::size_t pass = 0; pass < plan_.passes.size(); ++pass) {
@@ -37,7 +40,8 @@ public:
 private:
     void clear_frames() {
         const auto nodes = pipeline_.nodes.size();
-        const Schedule::Frame nothing{std::vector(nodes, Action::none), std::vector(nodes, Take::none)};
+        const Schedule::Frame nothing{std::vector(nodes, Action::none),
+                                      std::vector(nodes, Take::none)};
         out_.frames.assign(plan_.passes.size(), std::vector(delivered_.size(), nothing));
     }
 
@@ -46,7 +50,8 @@ private:
         for (std::size_t place = 0; place < delivered_.size(); ++place) {
             if (!delivered_[place]) continue;
             for (const auto n : plan_.passes[pass].delivers)
-                if (known_.delivers(n, place) && !known_.result(n, place)) work({Visit::frame, n, place, pass});
+                if (known_.delivers(n, place) && !known_.result(n, place))
+                    work({Visit::frame, n, place, pass});
             for (const auto n : plan_.passes[pass].gatherers)
                 if (plan_.digested[n] && known_.wants(n, place)) work({Visit::take, n, place});
         }
@@ -58,8 +63,8 @@ private:
         std::size_t node, place = 0, pass = 0;
     };
 
-    /// Schedules a node, and then what it needs, in depth-first order. It has a list of its own, since pipelines may be deeper than the
-    /// program's stack.
+    /// Schedules a node, and then what it needs, in depth-first order. It has a list of its own,
+    /// since pipelines may be deeper than the program's stack.
     void work(const Visit& first) {
         later(first);
         while (!open_.empty()) {
@@ -92,22 +97,25 @@ private:
     void frame(std::size_t n, std::size_t place, std::size_t pass) {
         auto& action = out_.frames[pass][place].results[n];
         if (action != Action::none) return;
-        action = known_.result(n, place) || kept_earlier(n, place, pass) ? Action::load : Action::run;
+        action =
+            known_.result(n, place) || kept_earlier(n, place, pass) ? Action::load : Action::run;
         if (action == Action::load) return;
         checksummed(n);
         if (pipeline_.nodes[n].streams_in()) later({Visit::gather, n});
         if (!pipeline_.nodes[n].retimes()) inputs(n, place, pass);
     }
 
-    /// A writer states checksums of results upstream: it needs them, also where all that it reads is cached.
+    /// A writer states checksums of results upstream: it needs them, also where all that it reads
+    /// is cached.
     void checksummed(std::size_t n) {
         for (const auto& link : pipeline_.nodes[n].checksummed) later({Visit::once, link.node});
     }
 
     bool kept_earlier(std::size_t n, std::size_t place, std::size_t pass) const {
         if (!earlier_kept_ || !pipeline_.nodes[n].kept || !known_.keeps(n, place)) return false;
-        return std::any_of(out_.frames.begin(), out_.frames.begin() + static_cast<std::ptrdiff_t>(pass),
-                           [&](const auto& earlier) { return earlier[place].results[n] != Action::none; });
+        return std::any_of(
+            out_.frames.begin(), out_.frames.begin() + static_cast<std::ptrdiff_t>(pass),
+            [&](const auto& earlier) { return earlier[place].results[n] != Action::none; });
     }
 
     void gather(std::size_t n) {
@@ -135,7 +143,8 @@ private:
     void inputs(std::size_t n, std::size_t place, std::size_t pass) {
         for (const auto& links : pipeline_.nodes[n].inputs)
             for (const auto& link : links) {
-                if (pipeline_.nodes[link.node].rate == Rate::frame) later({Visit::frame, link.node, place, pass});
+                if (pipeline_.nodes[link.node].rate == Rate::frame)
+                    later({Visit::frame, link.node, place, pass});
                 else later({Visit::once, link.node});
             }
     }
@@ -152,15 +161,18 @@ private:
 }  // namespace
 
 bool Schedule::Frame::computes() const {
-    return std::ranges::find(results, Action::run) != results.end() || std::ranges::find(takes, Take::anew) != takes.end();
+    return std::ranges::find(results, Action::run) != results.end() ||
+           std::ranges::find(takes, Take::anew) != takes.end();
 }
 
 bool Schedule::Frame::empty() const {
-    return std::all_of(results.begin(), results.end(), [](Action action) { return action == Action::none; }) &&
+    return std::all_of(results.begin(), results.end(),
+                       [](Action action) { return action == Action::none; }) &&
            std::all_of(takes.begin(), takes.end(), [](Take take) { return take == Take::none; });
 }
 
-Schedule make_schedule(const Pipeline& pipeline, const Plan& plan, const std::vector<bool>& delivered, const Known& known) {
+Schedule make_schedule(const Pipeline& pipeline, const Plan& plan,
+                       const std::vector<bool>& delivered, const Known& known) {
     return Scheduler(pipeline, plan, delivered, known).make();
 }
 
@@ -175,7 +187,8 @@ std::vector<Calls> calls_of(const Schedule& schedule) {
             for (std::size_t n = 0; n < out.size(); ++n) {
                 out[n].runs += frame.results[n] == Action::run ? 1 : 0;
                 out[n].takes += frame.takes[n] == Take::anew ? 1 : 0;
-                out[n].loads += (frame.results[n] == Action::load ? 1 : 0) + (frame.takes[n] == Take::kept ? 1 : 0);
+                out[n].loads += (frame.results[n] == Action::load ? 1 : 0) +
+                                (frame.takes[n] == Take::kept ? 1 : 0);
             }
     return out;
 }
@@ -191,7 +204,8 @@ NodeFrames frames_of(const Schedule& schedule, std::size_t n) {
     return out;
 }
 
-std::vector<Share> shares(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule, const Schedule& uncached) {
+std::vector<Share> shares(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule,
+                          const Schedule& uncached) {
     std::vector<Share> out(pipeline.nodes.size());
     for (std::size_t n = 0; n < out.size(); ++n) {
         const auto& node = pipeline.nodes[n];

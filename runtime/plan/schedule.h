@@ -9,13 +9,19 @@
 
 namespace fluidcarve {
 
-/// What make_schedule asks about the cache and the nodes. A place is an index in the sequence; 0 for nodes that deliver once.
+/// What make_schedule asks about the cache and the nodes. A place is an index in the sequence; 0
+/// for nodes that deliver once.
 struct Known {
-    std::function<bool(std::size_t node, std::size_t place)> result;    ///< whether the result is cached
-    std::function<bool(std::size_t node, std::size_t place)> digest;    ///< whether a gatherer's digest of the frame is cached
-    std::function<bool(std::size_t node, std::size_t place)> wants;     ///< whether a gatherer takes the frame
-    std::function<bool(std::size_t node, std::size_t place)> delivers;  ///< whether a node that delivers per frame has the frame
-    std::function<bool(std::size_t node, std::size_t place)> keeps;     ///< whether later passes can load a result that this run computes
+    std::function<bool(std::size_t node, std::size_t place)>
+        result;  ///< whether the result is cached
+    std::function<bool(std::size_t node, std::size_t place)>
+        digest;  ///< whether a gatherer's digest of the frame is cached
+    std::function<bool(std::size_t node, std::size_t place)>
+        wants;  ///< whether a gatherer takes the frame
+    std::function<bool(std::size_t node, std::size_t place)>
+        delivers;  ///< whether a node that delivers per frame has the frame
+    std::function<bool(std::size_t node, std::size_t place)>
+        keeps;  ///< whether later passes can load a result that this run computes
 };
 
 /// What each node will do in each frame of a run.
@@ -38,23 +44,28 @@ struct Schedule {
         std::vector<Take> takes;      ///< of nodes that gather in this pass
 
         /// Whether the node reads its inputs in this frame.
-        bool reads(std::size_t node) const { return results[node] == Action::run || takes[node] == Take::anew; }
+        bool reads(std::size_t node) const {
+            return results[node] == Action::run || takes[node] == Take::anew;
+        }
         /// Whether a node computes something, and does not only load what is cached.
         bool computes() const;
         /// Whether no node does anything.
         bool empty() const;
     };
     std::vector<std::vector<Frame>> frames;  ///< `[pass][place]`
-    std::vector<Action> once;                ///< per node: for the result of a node that delivers once
-    std::vector<char> gathers;               ///< per node: whether it takes all its frames and finishes
+    std::vector<Action> once;   ///< per node: for the result of a node that delivers once
+    std::vector<char> gathers;  ///< per node: whether it takes all its frames and finishes
 };
 
-/// Decides what each node does in each frame. @param delivered  per place: whether the frame is delivered
-Schedule make_schedule(const Pipeline& pipeline, const Plan& plan, const std::vector<bool>& delivered, const Known& known);
+/// Decides what each node does in each frame.
+/// @param delivered  per place: whether the frame is delivered
+Schedule make_schedule(const Pipeline& pipeline, const Plan& plan,
+                       const std::vector<bool>& delivered, const Known& known);
 
 /// How often a node's bodies are called, over all passes.
 struct Calls {
-    std::size_t runs = 0;   ///< computed frames; one that two passes need, and that is not kept, counts twice
+    std::size_t runs =
+        0;  ///< computed frames; one that two passes need, and that is not kept, counts twice
     std::size_t takes = 0;  ///< for a gatherer: frames taken from its inputs
     std::size_t loads = 0;  ///< cached results and digests that are loaded
     bool once = false;      ///< it finishes, or runs once
@@ -64,21 +75,27 @@ std::vector<Calls> calls_of(const Schedule& schedule);
 
 /// Places of the frames in which a node works, over all passes.
 struct NodeFrames {
-    std::set<std::size_t> run;                     ///< it computes the frame's result
-    std::set<std::size_t> taken_anew, taken_kept;  ///< it takes the frame from its inputs, or from a cached digest
+    std::set<std::size_t> run;  ///< it computes the frame's result
+    std::set<std::size_t> taken_anew,
+        taken_kept;  ///< it takes the frame from its inputs, or from a cached digest
 };
 NodeFrames frames_of(const Schedule& schedule, std::size_t node);
 
 /// How much of a node's work a run does. All counts are frames.
 struct Share {
-    std::size_t frames = 0;                      ///< frames that the run needs; for a node that runs once: 1, or the frames that it gathers
-    std::size_t runs = 0;                        ///< frames that the run computes; the others are cached
-    bool only_takes = false;                     ///< only the digests of a gatherer are wanted; `frames` and `runs` then count these
-    std::size_t taken_anew = 0, taken_kept = 0;  ///< for a gatherer: frames taken from its inputs, and from cached digests
+    std::size_t frames = 0;  ///< frames that the run needs; for a node that runs once: 1, or the
+                             ///< frames that it gathers
+    std::size_t runs = 0;    ///< frames that the run computes; the others are cached
+    bool only_takes =
+        false;  ///< only the digests of a gatherer are wanted; `frames` and `runs` then count these
+    std::size_t taken_anew = 0,
+                taken_kept =
+                    0;  ///< for a gatherer: frames taken from its inputs, and from cached digests
 };
 
 /// @param uncached  the schedule of the same plan with an empty cache
 /// @return one share per node
-std::vector<Share> shares(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule, const Schedule& uncached);
+std::vector<Share> shares(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule,
+                          const Schedule& uncached);
 
 }  // namespace fluidcarve

@@ -1,5 +1,7 @@
 #include "runtime/plan/timelines.h"
 
+#include "carve/base/frame_set.h"
+
 #include <algorithm>
 
 namespace fluidcarve {
@@ -20,7 +22,9 @@ Timelines::Timelines(const Pipeline& pipeline, const std::set<int>& left_out) {
     for (const auto& node : pipeline.nodes) {
         bool behind = false;
         for (const auto& links : node.inputs)
-            for (const auto& link : links) behind = behind || (retimed[link.node] && pipeline.nodes[link.node].rate == Rate::frame);
+            for (const auto& link : links)
+                behind =
+                    behind || (retimed[link.node] && pipeline.nodes[link.node].rate == Rate::frame);
         retimed.push_back(behind || node.retimes());
         taken_.push_back(add(node.taken, behind));
         delivered_.push_back(add(node.frames, retimed.back()));

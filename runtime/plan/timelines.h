@@ -9,13 +9,15 @@
 
 namespace fluidcarve {
 
-/// The frames of each node of a run. Nodes behind one that retimes have other frames than the readers.
+/// The frames of each node of a run. Nodes behind one that retimes have other frames than the
+/// readers.
 class Timelines {
 public:
     /// Frames of a node.
     struct Line {
-        std::vector<int> frames;                        ///< their numbers
-        std::vector<std::optional<std::size_t>> index;  ///< per place: the index in `frames`; nothing: the node does not have the frame
+        std::vector<int> frames;  ///< their numbers
+        std::vector<std::optional<std::size_t>>
+            index;  ///< per place: the index in `frames`; nothing: the node does not have the frame
     };
 
     Timelines() = default;
@@ -24,8 +26,12 @@ public:
 
     /// The frames of all nodes together, as numbers. A place is an index in them.
     const std::vector<int>& frames() const { return frames_; }
-    const Line& taken(std::size_t node) const { return lines_[taken_[node]]; }          ///< the frames that its inputs have
-    const Line& delivered(std::size_t node) const { return lines_[delivered_[node]]; }  ///< the frames in which it delivers
+    const Line& taken(std::size_t node) const {
+        return lines_[taken_[node]];
+    }  ///< the frames that its inputs have
+    const Line& delivered(std::size_t node) const {
+        return lines_[delivered_[node]];
+    }  ///< the frames in which it delivers
 
 private:
     std::vector<int> frames_;

@@ -11,17 +11,21 @@ struct Concluding : Context::Host {
     Report& to;
     const std::size_t node;
     void warn(const std::string& message) override { to.warn(node, message); }
-    void report(const std::string& section, const nlohmann::ordered_json& entry) override { to.entry(node, section, entry); }
+    void report(const std::string& section, const nlohmann::ordered_json& entry) override {
+        to.entry(node, section, entry);
+    }
     void tell(const std::string& line) override { to.add_line(node, line); }
 };
 
 }  // namespace
 
-void conclude(const Pipeline& pipeline, const Timelines& timelines, const std::vector<Share>& shares, Report& report) {
+void conclude(const Pipeline& pipeline, const Timelines& timelines,
+              const std::vector<Share>& shares, Report& report) {
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         if (!node.type->conclude) continue;
-        // Entries are missing if frames failed, or if results were kept by a version that did not report.
+        // Entries are missing if frames failed, or if results were kept by a version that did not
+        // report.
         const auto known = report.entry_of(n, node.type->concludes_from);
         if (known.empty() || known.size() != shares[n].frames) continue;
         Concluding host(report, n);

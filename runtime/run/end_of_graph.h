@@ -4,7 +4,8 @@
 
 namespace fluidcarve {
 
-/// Ends what still runs in a graph when a scope is left, by an exception, too. To be declared behind the graph's nodes, which go before the graph does.
+/// Ends what still runs in a graph when a scope is left, by an exception, too. To be declared
+/// behind the graph's nodes, which go before the graph does.
 class EndOfGraph {
 public:
     explicit EndOfGraph(tbb::flow::graph& graph) : graph_(graph) {}

@@ -6,18 +6,24 @@
 namespace fluidcarve {
 namespace {
 
-/// Items that a growing result lacks. @param measured  at an earlier time; says of how many a count is a part, if nothing is kept
-std::size_t items_to_find(const Node& node, const std::optional<GrownResult>& kept, const std::optional<WorkTime>& measured) {
+/// Items that a growing result lacks.
+/// @param measured  at an earlier time; says of how many a count is a part, if nothing is kept
+std::size_t items_to_find(const Node& node, const std::optional<GrownResult>& kept,
+                          const std::optional<WorkTime>& measured) {
     if (!node.type->growth) return 0;
-    const auto wanted = node.type->growth->wanted(node.params.get(), kept ? kept->extent.of : measured ? measured->at.of : 0);
+    const auto wanted = node.type->growth->wanted(node.params.get(), kept       ? kept->extent.of
+                                                                     : measured ? measured->at.of
+                                                                                : 0);
     const auto found = kept ? kept->extent.count : 0;
     return wanted > found ? wanted - found : 0;
 }
 
 }  // namespace
 
-std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation& prepared, const std::vector<Calls>& calls, const std::vector<Share>& shares,
-                                     const History& history, const RunOptions& options) {
+std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation& prepared,
+                                     const std::vector<Calls>& calls,
+                                     const std::vector<Share>& shares, const History& history,
+                                     const RunOptions& options) {
     std::vector<NodeCost> out(pipeline.nodes.size());
     for (std::size_t n = 0; n < out.size(); ++n) {
         const auto& node = pipeline.nodes[n];
@@ -38,19 +44,25 @@ std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation
         adapt(Work::take, calls[n].takes);
         adapt(Work::load, calls[n].loads);
         adapt(Work::once, 1);
-        if (const auto then = out[n].bytes_of_input, bytes = prepared.inputs().frame_bytes; then > 0 && bytes > 0)
-            out[n].bytes = static_cast<std::uint64_t>(static_cast<double>(out[n].bytes) * static_cast<double>(bytes) / static_cast<double>(then));
+        if (const auto then = out[n].bytes_of_input, bytes = prepared.inputs().frame_bytes;
+            then > 0 && bytes > 0)
+            out[n].bytes =
+                static_cast<std::uint64_t>(static_cast<double>(out[n].bytes) *
+                                           static_cast<double>(bytes) / static_cast<double>(then));
     }
     return out;
 }
 
 double expected_seconds(const NodeCost& cost, const Calls& calls, bool& known) {
     double out = 0;
-    for (const auto& [work, times] : {std::pair(Work::frame, calls.runs), std::pair(Work::take, calls.takes), std::pair(Work::load, calls.loads),
-                                      std::pair(Work::once, std::size_t{calls.once ? 1U : 0U})}) {
+    for (const auto& [work, times] :
+         {std::pair(Work::frame, calls.runs), std::pair(Work::take, calls.takes),
+          std::pair(Work::load, calls.loads),
+          std::pair(Work::once, std::size_t{calls.once ? 1U : 0U})}) {
         if (times == 0) continue;
         if (cost[work]) out += static_cast<double>(times) * cost[work]->seconds;
-        // What is loaded was computed before, so that its time is known to be short, if not measured.
+        // What is loaded was computed before, so that its time is known to be short, if not
+        // measured.
         else if (work != Work::load) known = false;
     }
     return out;

@@ -10,12 +10,17 @@
 
 namespace fluidcarve {
 
-/// The costs of each node, as earlier runs measured them, in the setting of this run: so many threads, bytes, frames and items to find.
+/// The costs of each node, as earlier runs measured them, in the setting of this run: so many
+/// threads, bytes, frames and items to find.
 /// @param calls  one per node
-std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation& prepared, const std::vector<Calls>& calls, const std::vector<Share>& shares,
-                                     const History& history, const RunOptions& options);
+std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation& prepared,
+                                     const std::vector<Calls>& calls,
+                                     const std::vector<Share>& shares, const History& history,
+                                     const RunOptions& options);
 
-/// Expected wall seconds of a node's work in a run. @param cost  in the setting of the run @param known  set to false if a cost is unknown
+/// Expected wall seconds of a node's work in a run.
+/// @param cost  in the setting of the run
+/// @param known  set to false if a cost is unknown
 double expected_seconds(const NodeCost& cost, const Calls& calls, bool& known);
 
 }  // namespace fluidcarve

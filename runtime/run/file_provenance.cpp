@@ -12,7 +12,8 @@ Provenance FileProvenance::of(std::size_t writer) {
         const auto [found, fresh] = checksums_.try_emplace({link.node, link.output});
         const auto& payload = held_[link.node].at(link.output);
         if (fresh) found->second = registry_.payload(payload.type()).checksum(payload);
-        all += fmt::format("{}{}={}", all.empty() ? "" : ", ", pipeline_.nodes[link.node].name, found->second);
+        all += fmt::format("{}{}={}", all.empty() ? "" : ", ", pipeline_.nodes[link.node].name,
+                           found->second);
     }
     auto out = node.provenance;
     // The command comes last.

@@ -15,10 +15,12 @@ namespace fluidcarve {
 class FileProvenance {
 public:
     /// @param held  `[node][output]`: results of nodes that run once
-    FileProvenance(const Pipeline& pipeline, const Registry& registry, const std::vector<std::vector<Payload>>& held)
+    FileProvenance(const Pipeline& pipeline, const Registry& registry,
+                   const std::vector<std::vector<Payload>>& held)
         : pipeline_(pipeline), registry_(registry), held_(held) {}
 
-    /// Node::provenance of a writer, with the checksums of what its files are made with, which must be held by now.
+    /// Node::provenance of a writer, with the checksums of what its files are made with, which must
+    /// be held by now.
     Provenance of(std::size_t writer);
 
 private:

@@ -17,7 +17,8 @@
 
 namespace fluidcarve {
 
-/// Executes a schedule: nodes that run once, and the passes of its plan as TBB flow graphs. Holds all results that outlive a pass.
+/// Executes a schedule: nodes that run once, and the passes of its plan as TBB flow graphs. Holds
+/// all results that outlive a pass.
 class Flow {
 public:
     /// @param store      cached results of former runs; receives those of this run
@@ -25,16 +26,21 @@ public:
     /// @param costs      receives what each node's work takes
     /// @param profile    may be null
     /// @param cancelled  called often; true: stop
-    Flow(const Pipeline& pipeline, const Registry& registry, const Timelines& timelines, const RunOptions& options, Store& store, InputGuard& guard,
-         Report& report, Progress& progress, WorkTimes& costs, RunProfile* profile, std::function<bool()> cancelled);
+    Flow(const Pipeline& pipeline, const Registry& registry, const Timelines& timelines,
+         const RunOptions& options, Store& store, InputGuard& guard, Report& report,
+         Progress& progress, WorkTimes& costs, RunProfile* profile,
+         std::function<bool()> cancelled);
     ~Flow();
 
-    /// Executes the schedule, pass after pass. Unless `keep_going`, no new frames start after a failure; frames in flight end.
+    /// Executes the schedule, pass after pass. Unless `keep_going`, no new frames start after a
+    /// failure; frames in flight end.
     void run(const Plan& plan, const Schedule& schedule);
 
-    /// Whether the run ended early: cancelled, failed without `keep_going`, or a gatherer lacks frames.
+    /// Whether the run ended early: cancelled, failed without `keep_going`, or a gatherer lacks
+    /// frames.
     bool stopped() const;
-    /// Whether a cached result in the schedule was missing or damaged. The run then needs another schedule.
+    /// Whether a cached result in the schedule was missing or damaged. The run then needs another
+    /// schedule.
     bool lost() const;
 
 private:

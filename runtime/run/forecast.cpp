@@ -1,6 +1,7 @@
 #include "runtime/run/forecast.h"
 
-#include "graph/text/words.h"
+#include "carve/base/frame_set.h"
+#include "carve/base/words.h"
 #include "runtime/run/expected_costs.h"
 
 #include <fmt/format.h>
@@ -13,7 +14,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::vector<Forecast::Pass> passes_of(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule) {
+std::vector<Forecast::Pass> passes_of(const Pipeline& pipeline, const Plan& plan,
+                                      const Schedule& schedule) {
     std::vector<Forecast::Pass> out;
     for (std::size_t p = 0; p < plan.passes.size(); ++p) {
         Forecast::Pass pass;
@@ -36,12 +38,14 @@ std::string time_text(const Forecast& forecast) {
     if (forecast.unmeasured.empty()) return "about " + duration_text(forecast.seconds);
     if (!forecast.remembers) return "not known: without the work folder no run is remembered";
     if (forecast.seconds <= 0) return "not known before the first run";
-    return fmt::format("at least {}, without what never ran to its end: {}", duration_text(forecast.seconds), fmt::join(forecast.unmeasured, ", "));
+    return fmt::format("at least {}, without what never ran to its end: {}",
+                       duration_text(forecast.seconds), fmt::join(forecast.unmeasured, ", "));
 }
 
 }  // namespace
 
-Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared, const Schedule& schedule, const std::vector<Share>& shares,
+Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
+                       const Schedule& schedule, const std::vector<Share>& shares,
                        const History& history, const RunOptions& options) {
     const auto& plan = prepared.plan();
     Forecast out;
@@ -50,7 +54,10 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared, co
     out.delivered = FrameSet(prepared.delivered_frames());
     out.passes = passes_of(pipeline, plan, schedule);
     out.remembers = history.on();
-    const auto why = reasons(pipeline, shares, history, prepared.dependencies(), [&](std::size_t n) { return NodeNow{prepared.reads(n), prepared.grown(n)}; });
+    const auto why =
+        reasons(pipeline, shares, history, prepared.dependencies(), [&](std::size_t n) {
+            return NodeNow{prepared.reads(n), prepared.grown(n)};
+        });
     const auto calls = calls_of(schedule);
     out.expected = expected_costs(pipeline, prepared, calls, shares, history, options);
     const auto input_bytes = prepared.inputs().frame_bytes;
@@ -58,13 +65,16 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared, co
         const auto& share = shares[n];
         const auto& node = pipeline.nodes[n];
         if (share.frames == 0) continue;
-        out.lines.push_back({node.name, node.type->name, share.frames, share.frames - share.runs, why[n], share.taken_anew + share.taken_kept, share.taken_kept,
+        out.lines.push_back({node.name, node.type->name, share.frames, share.frames - share.runs,
+                             why[n], share.taken_anew + share.taken_kept, share.taken_kept,
                              node.type->growth ? node.type->growth->item : ""});
         const auto& cost = out.expected[n];
         bool known = true;
         out.seconds += expected_seconds(cost, calls[n], known);
         if (!known) out.unmeasured.push_back(node.name);
-        const NodeWork work{calls[n].once, node.rate == Rate::frame && !share.only_takes ? share.runs : 0, share.taken_anew, share.taken_kept};
+        const NodeWork work{calls[n].once,
+                            node.rate == Rate::frame && !share.only_takes ? share.runs : 0,
+                            share.taken_anew, share.taken_kept};
         out.bytes += memory_of(node, cost, work, input_bytes, options);
         out.disk += disk_of(node, cost, work, input_bytes);
     }
@@ -72,19 +82,25 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared, co
     return out;
 }
 
-std::uint64_t memory_of(const Node& node, const NodeCost& cost, const NodeWork& work, std::uint64_t input_bytes, const RunOptions& options) {
+std::uint64_t memory_of(const Node& node, const NodeCost& cost, const NodeWork& work,
+                        std::uint64_t input_bytes, const RunOptions& options) {
     if (!work.once && work.runs == 0 && work.taken_anew == 0) return 0;
-    // Outputs per frame exist once per frame in flight. Digests exist until the gatherer finishes, for all frames.
+    // Outputs per frame exist once per frame in flight. Digests exist until the gatherer finishes,
+    // for all frames.
     const auto bytes = cost.bytes > 0 ? cost.bytes : input_bytes;
-    const auto in_flight = std::min(static_cast<std::size_t>(options.in_flight), std::max(work.runs, work.taken_anew));
-    return work.once && node.type->digest != typeid(void) && node.rate != Rate::frame ? std::min(options.memory, bytes * (work.taken_anew + work.taken_kept))
-                                                                                      : bytes * std::max<std::size_t>(1, in_flight);
+    const auto in_flight =
+        std::min(static_cast<std::size_t>(options.in_flight), std::max(work.runs, work.taken_anew));
+    return work.once && node.type->digest != typeid(void) && node.rate != Rate::frame
+               ? std::min(options.memory, bytes * (work.taken_anew + work.taken_kept))
+               : bytes * std::max<std::size_t>(1, in_flight);
 }
 
-std::uint64_t disk_of(const Node& node, const NodeCost& cost, const NodeWork& work, std::uint64_t input_bytes) {
+std::uint64_t disk_of(const Node& node, const NodeCost& cost, const NodeWork& work,
+                      std::uint64_t input_bytes) {
     const bool writer = node.outputs.empty();
     const auto bytes = cost.bytes > 0 && !writer ? cost.bytes : input_bytes;
-    const auto results = writer || node.kept ? work.runs + (work.once && node.rate != Rate::frame ? 1 : 0) : 0;
+    const auto results =
+        writer || node.kept ? work.runs + (work.once && node.rate != Rate::frame ? 1 : 0) : 0;
     return bytes * (results + (digests_apart(node) ? work.taken_anew : 0));
 }
 
@@ -97,7 +113,8 @@ std::string table(const std::vector<std::vector<std::string>>& rows) {
         std::string line;
         for (std::size_t n = 0; n < row.size(); ++n) {
             const bool left = n < 2 || n + 1 == row.size();
-            line += left ? fmt::format("{:<{}}  ", row[n], widths[n]) : fmt::format("{:>{}}  ", row[n], widths[n]);
+            line += left ? fmt::format("{:<{}}  ", row[n], widths[n])
+                         : fmt::format("{:>{}}  ", row[n], widths[n]);
         }
         out += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
     }
@@ -106,33 +123,45 @@ std::string table(const std::vector<std::vector<std::string>>& rows) {
 
 std::string to_text(const Forecast& forecast) {
     const auto total = forecast.frames.frames().size();
-    std::string out = fmt::format("{}: {}, frames {} ({})", forecast.pipeline, counted(forecast.lines.size(), "node"), forecast.frames.text(), total);
+    std::string out =
+        fmt::format("{}: {}, frames {} ({})", forecast.pipeline,
+                    counted(forecast.lines.size(), "node"), forecast.frames.text(), total);
     if (const auto count = forecast.delivered.frames().size(); count < total)
-        out += fmt::format(", of which {} {} delivered", forecast.delivered.text(), count == 1 ? "is" : "are");
+        out += fmt::format(", of which {} {} delivered", forecast.delivered.text(),
+                           count == 1 ? "is" : "are");
     out += "\n\n";
     std::vector<std::vector<std::string>> rows{{"node", "type", "frames", "cached", "why it runs"}};
     for (const auto& line : forecast.lines) {
         auto why = line.why;
-        if (line.taken_cached > 0) why += fmt::format("; takes {} of {} frames from the work folder", line.taken_cached, line.taken);
-        rows.push_back({line.node, line.type, std::to_string(line.frames), std::to_string(line.cached), why});
+        if (line.taken_cached > 0)
+            why += fmt::format("; takes {} of {} frames from the work folder", line.taken_cached,
+                               line.taken);
+        rows.push_back(
+            {line.node, line.type, std::to_string(line.frames), std::to_string(line.cached), why});
     }
     out += table(rows) + "\n";
-    if (std::all_of(forecast.lines.begin(), forecast.lines.end(), [](const auto& line) { return line.why.empty(); }))
+    if (std::all_of(forecast.lines.begin(), forecast.lines.end(),
+                    [](const auto& line) { return line.why.empty(); }))
         return out + "nothing to do: every result is there\n";
     for (std::size_t n = 0; n < forecast.passes.size(); ++n) {
         const auto& pass = forecast.passes[n];
-        out += fmt::format("pass {} of {}: {}{}{}{}\n", n + 1, forecast.passes.size(), counted(pass.frames, "frame"),
-                           pass.nodes.empty() ? "" : fmt::format(" through {}", fmt::join(pass.nodes, ", ")), pass.gatherers.empty() ? "" : "; gathers ",
-                           fmt::join(pass.gatherers, ", "));
+        out += fmt::format(
+            "pass {} of {}: {}{}{}{}\n", n + 1, forecast.passes.size(),
+            counted(pass.frames, "frame"),
+            pass.nodes.empty() ? "" : fmt::format(" through {}", fmt::join(pass.nodes, ", ")),
+            pass.gatherers.empty() ? "" : "; gathers ", fmt::join(pass.gatherers, ", "));
     }
     out += "time: " + time_text(forecast);
-    out += forecast.bytes > 0 ? fmt::format("\nmemory: about {}\n", size_text(forecast.bytes)) : "\n";
+    out +=
+        forecast.bytes > 0 ? fmt::format("\nmemory: about {}\n", size_text(forecast.bytes)) : "\n";
     return out;
 }
 
 Json to_json(const Forecast& forecast) {
-    Json out{{"pipeline", forecast.pipeline}, {"frames", forecast.delivered.frames()}, {"nodes", Json::object()}, {"passes", Json::array()},
-             {"seconds", forecast.seconds},   {"unmeasured", forecast.unmeasured},     {"bytes", forecast.bytes}, {"disk", forecast.disk},
+    Json out{{"pipeline", forecast.pipeline}, {"frames", forecast.delivered.frames()},
+             {"nodes", Json::object()},       {"passes", Json::array()},
+             {"seconds", forecast.seconds},   {"unmeasured", forecast.unmeasured},
+             {"bytes", forecast.bytes},       {"disk", forecast.disk},
              {"cores", forecast.cores}};
     for (const auto& line : forecast.lines) {
         auto& node = out["nodes"][line.node];
@@ -141,7 +170,9 @@ Json to_json(const Forecast& forecast) {
         if (!line.why.empty()) node["why"] = line.why;
         if (!line.item.empty()) node["item"] = line.item;
     }
-    for (const auto& pass : forecast.passes) out["passes"].push_back({{"frames", pass.frames}, {"nodes", pass.nodes}, {"gathers", pass.gatherers}});
+    for (const auto& pass : forecast.passes)
+        out["passes"].push_back(
+            {{"frames", pass.frames}, {"nodes", pass.nodes}, {"gathers", pass.gatherers}});
     return out;
 }
 

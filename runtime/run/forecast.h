@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/base/frame_set.h"
 #include "runtime/keep/history.h"
 #include "runtime/run/preparation.h"
 
@@ -11,15 +12,18 @@
 
 namespace fluidcarve {
 
-/// What a run will do, node by node and pass by pass, with its estimated time and memory. The verb `plan` prints it.
+/// What a run will do, node by node and pass by pass, with its estimated time and memory. The verb
+/// `plan` prints it.
 struct Forecast {
     struct Line {
         std::string node, type;
-        std::size_t frames = 0;                   ///< frames that the run needs
-        std::size_t cached = 0;                   ///< frames whose results are cached
-        std::string why;                          ///< why the node runs; empty if it does not
-        std::size_t taken = 0, taken_cached = 0;  ///< for a gatherer: frames that it takes; of these, from cached digests
-        std::string item = {};                    ///< what its growing result (Growth) holds; empty: it has none
+        std::size_t frames = 0;  ///< frames that the run needs
+        std::size_t cached = 0;  ///< frames whose results are cached
+        std::string why;         ///< why the node runs; empty if it does not
+        std::size_t taken = 0,
+                    taken_cached =
+                        0;  ///< for a gatherer: frames that it takes; of these, from cached digests
+        std::string item = {};  ///< what its growing result (Growth) holds; empty: it has none
     };
     struct Pass {
         std::size_t frames = 0;
@@ -27,29 +31,38 @@ struct Forecast {
     };
     std::string pipeline;
     FrameSet frames, delivered;
-    std::vector<Line> lines;              ///< the nodes that the run needs
-    std::vector<Pass> passes;             ///< those in which a node runs
-    double seconds = 0;                   ///< estimated wall time of the nodes that were measured before
+    std::vector<Line> lines;   ///< the nodes that the run needs
+    std::vector<Pass> passes;  ///< those in which a node runs
+    double seconds = 0;        ///< estimated wall time of the nodes that were measured before
     std::vector<std::string> unmeasured;  ///< nodes without a measured time
     bool remembers = true;                ///< whether there is a work folder to measure for
-    std::vector<NodeCost> expected;       ///< per node of the pipeline: its costs in the setting of this run
-    std::uint64_t bytes = 0;              ///< estimated memory; 0: unknown
-    std::uint64_t disk = 0;               ///< estimated bytes that are written, to the work folder and to outputs; 0: unknown
-    int cores = 0;                        ///< threads
+    std::vector<NodeCost>
+        expected;             ///< per node of the pipeline: its costs in the setting of this run
+    std::uint64_t bytes = 0;  ///< estimated memory; 0: unknown
+    std::uint64_t disk =
+        0;  ///< estimated bytes that are written, to the work folder and to outputs; 0: unknown
+    int cores = 0;  ///< threads
 };
 
 /// How often a node works in a run, or in a part of one.
 struct NodeWork {
-    bool once = false;                           ///< it finishes, or runs once
-    std::size_t runs = 0;                        ///< frames that it computes
-    std::size_t taken_anew = 0, taken_kept = 0;  ///< for a gatherer: frames taken from its inputs, and from cached digests
+    bool once = false;     ///< it finishes, or runs once
+    std::size_t runs = 0;  ///< frames that it computes
+    std::size_t taken_anew = 0,
+                taken_kept =
+                    0;  ///< for a gatherer: frames taken from its inputs, and from cached digests
 };
-/// Estimated bytes of memory that a node takes. @param cost  in the setting of the run @param input_bytes  of a reader's frame; 0: unknown
-std::uint64_t memory_of(const Node& node, const NodeCost& cost, const NodeWork& work, std::uint64_t input_bytes, const RunOptions& options);
+/// Estimated bytes of memory that a node takes.
+/// @param cost  in the setting of the run
+/// @param input_bytes  of a reader's frame; 0: unknown
+std::uint64_t memory_of(const Node& node, const NodeCost& cost, const NodeWork& work,
+                        std::uint64_t input_bytes, const RunOptions& options);
 /// Estimated bytes that a node writes: what it keeps in the work folder, or its files.
-std::uint64_t disk_of(const Node& node, const NodeCost& cost, const NodeWork& work, std::uint64_t input_bytes);
+std::uint64_t disk_of(const Node& node, const NodeCost& cost, const NodeWork& work,
+                      std::uint64_t input_bytes);
 
-Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared, const Schedule& schedule, const std::vector<Share>& shares,
+Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
+                       const Schedule& schedule, const std::vector<Share>& shares,
                        const History& history, const RunOptions& options);
 
 /// The forecast as a table, followed by time and memory.

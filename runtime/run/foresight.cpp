@@ -6,9 +6,12 @@
 
 namespace fluidcarve {
 
-Foresight::Foresight(const Pipeline& pipeline) : pipeline_(pipeline), known_(pipeline.nodes.size()) {}
+Foresight::Foresight(const Pipeline& pipeline)
+    : pipeline_(pipeline), known_(pipeline.nodes.size()) {}
 
-Foresight::Key Foresight::key(const Link& link, int frame) const { return {pipeline_.nodes[link.node].rate == Rate::fixed ? 0 : frame, link.output}; }
+Foresight::Key Foresight::key(const Link& link, int frame) const {
+    return {pipeline_.nodes[link.node].rate == Rate::fixed ? 0 : frame, link.output};
+}
 
 const Foresight::Known* Foresight::known(const Link& link, int frame) const {
     const auto found = known_[link.node].find(key(link, frame));
@@ -19,22 +22,26 @@ void Foresight::deliver(std::size_t node, int frame, std::string_view output, Fo
     const auto& outputs = pipeline_.nodes[node].outputs;
     const auto found = std::ranges::find(outputs, output, &OutputSpec::name);
     if (found == outputs.end()) return;
-    known_[node][key({node, static_cast<std::size_t>(found - outputs.begin())}, frame)] = {std::move(what), node};
+    known_[node][key({node, static_cast<std::size_t>(found - outputs.begin())}, frame)] = {
+        std::move(what), node};
 }
 
 const Foreseen* Foresight::receives(std::size_t node, int frame, std::string_view input) const {
     const auto& inputs = pipeline_.nodes[node].type->inputs;
     const auto found = std::ranges::find(inputs, input, &InputSpec::name);
     if (found == inputs.end()) return nullptr;
-    const auto& links = pipeline_.nodes[node].inputs[static_cast<std::size_t>(found - inputs.begin())];
-    const auto* const out = links.size() == 1 && links.front().part.empty() ? known(links.front(), frame) : nullptr;
+    const auto& links =
+        pipeline_.nodes[node].inputs[static_cast<std::size_t>(found - inputs.begin())];
+    const auto* const out =
+        links.size() == 1 && links.front().part.empty() ? known(links.front(), frame) : nullptr;
     return out ? &out->what : nullptr;
 }
 
 std::string Foresight::carry(std::size_t n, int frame) {
     const auto& node = pipeline_.nodes[n];
     for (const auto& [output, input] : node.type->as_named)
-        if (const auto* const from = receives(n, frame, input)) deliver(n, frame, output, {from->grids, std::nullopt});
+        if (const auto* const from = receives(n, frame, input))
+            deliver(n, frame, output, {from->grids, std::nullopt});
     if (!node.type->in_place) return {};
 
     const Known* first = nullptr;
@@ -47,8 +54,10 @@ std::string Foresight::carry(std::size_t n, int frame) {
             const auto [other_width, other_height] = *each->what.pixels;
             if (width != other_width || height != other_height)
                 return fmt::format(
-                    "it lays pictures of two sizes over each other: '{}' reads {} x {} pixels, but '{}' {} x {}; scale one of them to the size of the other",
-                    pipeline_.nodes[first->reader].name, width, height, pipeline_.nodes[each->reader].name, other_width, other_height);
+                    "it lays pictures of two sizes over each other: '{}' reads {} x {} pixels, but "
+                    "'{}' {} x {}; scale one of them to the size of the other",
+                    pipeline_.nodes[first->reader].name, width, height,
+                    pipeline_.nodes[each->reader].name, other_width, other_height);
         }
     if (!first) return {};
     for (std::size_t output = 0; output < node.outputs.size(); ++output)

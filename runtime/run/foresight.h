@@ -12,8 +12,8 @@
 
 namespace fluidcarve {
 
-/// What readers say of their outputs, carried on to the nodes that will receive them: names of grids, and sizes of pictures. What no
-/// declaration carries on is not known.
+/// What readers say of their outputs, carried on to the nodes that will receive them: names of
+/// grids, and sizes of pictures. What no declaration carries on is not known.
 class Foresight {
 public:
     explicit Foresight(const Pipeline& pipeline);
@@ -22,8 +22,10 @@ public:
     void deliver(std::size_t node, int frame, std::string_view output, Foreseen what);
     /// What an input will receive by its only connection, as a whole; null: not known.
     const Foreseen* receives(std::size_t node, int frame, std::string_view input) const;
-    /// Carries on what is known of a node's inputs to its outputs. To be called for all nodes in order.
-    /// @return a message, if the node lays pictures of different sizes over each other; empty: it does not
+    /// Carries on what is known of a node's inputs to its outputs. To be called for all nodes in
+    /// order.
+    /// @return a message, if the node lays pictures of different sizes over each other; empty: it
+    ///   does not
     std::string carry(std::size_t node, int frame);
 
 private:

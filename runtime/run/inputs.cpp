@@ -1,5 +1,6 @@
 #include "runtime/run/inputs.h"
 
+#include "carve/base/frame_set.h"
 #include "runtime/run/foresight.h"
 
 #include <fmt/format.h>
@@ -14,9 +15,15 @@ namespace {
 class SurveyOf : public Survey {
 public:
     /// @param needed  frames that the run will read; nothing: all
-    SurveyOf(std::size_t node, const std::vector<int>& frames, const std::optional<FrameSet>& needed, std::set<std::string, std::less<>> wanted,
+    SurveyOf(std::size_t node, const std::vector<int>& frames,
+             const std::optional<FrameSet>& needed, std::set<std::string, std::less<>> wanted,
              std::vector<Pick> picks, Foresight& foresight)
-        : node_(node), frames_(frames), needed_(needed), wanted_(std::move(wanted)), picks_(std::move(picks)), foresight_(foresight) {}
+        : node_(node),
+          frames_(frames),
+          needed_(needed),
+          wanted_(std::move(wanted)),
+          picks_(std::move(picks)),
+          foresight_(foresight) {}
     const std::vector<int>& frames() const override { return frames_; }
     bool needs(int frame) const override { return !needed_ || needed_->contains(frame); }
     bool wants(std::string_view output) const override { return wanted_.contains(output); }
@@ -24,11 +31,19 @@ public:
     void stands_in(int frame, int file) override { stand_ins[frame] = file; }
     void expect(int, std::uint64_t bytes) override { most_bytes = std::max(most_bytes, bytes); }
     void leave_out(int frame) override { left_out.insert(frame); }
-    void missing(int frame, const std::string& message) override { lost.emplace_back(frame, message); }
-    void lies(std::string_view output, const Region& region) override { regions.emplace(output, region); }
+    void missing(int frame, const std::string& message) override {
+        lost.emplace_back(frame, message);
+    }
+    void lies(std::string_view output, const Region& region) override {
+        regions.emplace(output, region);
+    }
     void warn(const std::string& message) override { warnings.push_back(message); }
-    void delivers(int frame, std::string_view output, Foreseen what) override { foresight_.deliver(node_, frame, output, std::move(what)); }
-    const Foreseen* receives(int frame, std::string_view input) const override { return foresight_.receives(node_, frame, input); }
+    void delivers(int frame, std::string_view output, Foreseen what) override {
+        foresight_.deliver(node_, frame, output, std::move(what));
+    }
+    const Foreseen* receives(int frame, std::string_view input) const override {
+        return foresight_.receives(node_, frame, input);
+    }
 
     std::map<int, int> stand_ins;
     std::uint64_t most_bytes = 0;
@@ -49,7 +64,8 @@ private:
 using OutputNames = std::set<std::string, std::less<>>;
 
 /// Per node: names of its outputs that the run reads or caches.
-std::vector<OutputNames> wanted_outputs(const Pipeline& pipeline, const std::vector<bool>& needed, bool cache) {
+std::vector<OutputNames> wanted_outputs(const Pipeline& pipeline, const std::vector<bool>& needed,
+                                        bool cache) {
     std::vector<OutputNames> out(pipeline.nodes.size());
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
@@ -57,38 +73,48 @@ std::vector<OutputNames> wanted_outputs(const Pipeline& pipeline, const std::vec
             for (const auto& output : node.outputs) out[n].insert(output.name);
         if (!needed[n]) continue;
         for (const auto& links : node.inputs)
-            for (const auto& link : links) out[link.node].insert(pipeline.nodes[link.node].outputs[link.output].name);
+            for (const auto& link : links)
+                out[link.node].insert(pipeline.nodes[link.node].outputs[link.output].name);
     }
     return out;
 }
 
 /// Which frames of a node the run needs; nothing: all.
-std::optional<FrameSet> frames_needed(const Pipeline& pipeline, const Plan& plan, std::size_t n, const std::optional<FrameSet>& deliver) {
+std::optional<FrameSet> frames_needed(const Pipeline& pipeline, const Plan& plan, std::size_t n,
+                                      const std::optional<FrameSet>& deliver) {
     const auto& node = pipeline.nodes[n];
-    return node.rate == Rate::frame && !node.gathers && !plan.in_sequence[n] ? deliver : std::nullopt;
+    return node.rate == Rate::frame && !node.gathers && !plan.in_sequence[n] ? deliver
+                                                                             : std::nullopt;
 }
 
 /// Adds what a survey found missing.
 void add_missing(const Node& node, const SurveyOf& of, std::vector<Fault>& out) {
     for (const auto& [frame, message] : of.lost)
         if (of.needs(frame))
-            out.push_back({node.name, node.type->name, node.rate == Rate::fixed ? std::nullopt : std::optional(frame), message, Failure::Kind::input});
+            out.push_back({node.name, node.type->name,
+                           node.rate == Rate::fixed ? std::nullopt : std::optional(frame), message,
+                           Failure::Kind::input});
 }
 
-/// Carries what readers said through the pipeline, and asks the other nodes whether they can work with it.
-void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<FrameSet>& deliver, Foresight& foresight, Inputs& out) {
+/// Carries what readers said through the pipeline, and asks the other nodes whether they can work
+/// with it.
+void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<FrameSet>& deliver,
+                Foresight& foresight, Inputs& out) {
     if (out.timelines.frames().empty()) return;
     const std::vector<int> once{out.timelines.frames().front()};
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         if (!plan.needed[n] || node.type->inputs.empty()) continue;
-        const auto& frames = node.per_frame_input || node.rate == Rate::frame ? out.timelines.taken(n).frames : once;
+        const auto& frames =
+            node.per_frame_input || node.rate == Rate::frame ? out.timelines.taken(n).frames : once;
         const auto needed = frames_needed(pipeline, plan, n, deliver);
         for (const int frame : frames) {
             if (needed && !needed->contains(frame)) continue;
             const auto clash = foresight.carry(n, frame);
             if (clash.empty()) continue;
-            out.clashes.push_back({node.name, node.type->name, node.rate == Rate::fixed ? std::nullopt : std::optional(frame), clash, Failure::Kind::input});
+            out.clashes.push_back({node.name, node.type->name,
+                                   node.rate == Rate::fixed ? std::nullopt : std::optional(frame),
+                                   clash, Failure::Kind::input});
             break;
         }
         if (!node.type->survey) continue;
@@ -98,21 +124,26 @@ void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<
     }
 }
 
-/// The node whose first output has the parts of a link's payload, by name: the way back through nodes whose volumes have the grids of an
-/// input (Declare::names_as). Nothing if it leads to an output that is only a part itself.
+/// The node whose first output has the parts of a link's payload, by name: the way back through
+/// nodes whose volumes have the grids of an input (Declare::names_as). Nothing if it leads to an
+/// output that is only a part itself.
 std::optional<std::size_t> source_of(const Pipeline& pipeline, Link link) {
     while (link.output == 0) {
         const auto& node = pipeline.nodes[link.node];
-        const auto named = node.outputs.empty() ? node.type->as_named.end() : node.type->as_named.find(node.outputs.front().name);
+        const auto named = node.outputs.empty()
+                               ? node.type->as_named.end()
+                               : node.type->as_named.find(node.outputs.front().name);
         if (named == node.type->as_named.end()) return link.node;
-        const auto input = static_cast<std::size_t>(node.type->input(named->second) - node.type->inputs.data());
+        const auto input =
+            static_cast<std::size_t>(node.type->input(named->second) - node.type->inputs.data());
         if (node.inputs[input].empty() || !node.inputs[input].front().part.empty()) break;
         link = node.inputs[input].front();
     }
     return std::nullopt;
 }
 
-/// Per node: the parts of its first output that nodes of the run take, straight or from what other nodes make of it.
+/// Per node: the parts of its first output that nodes of the run take, straight or from what other
+/// nodes make of it.
 std::vector<std::vector<Pick>> picks_of(const Pipeline& pipeline, const std::vector<bool>& needed) {
     std::vector<std::vector<Pick>> out(pipeline.nodes.size());
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
@@ -122,7 +153,9 @@ std::vector<std::vector<Pick>> picks_of(const Pipeline& pipeline, const std::vec
                 if (link.part.empty()) continue;
                 if (const auto source = source_of(pipeline, link))
                     out[*source].push_back(
-                        {link.part, node.type->inputs[input].type, fmt::format("'{}' takes {}.{}", node.name, pipeline.nodes[link.node].name, link.part)});
+                        {link.part, node.type->inputs[input].type,
+                         fmt::format("'{}' takes {}.{}", node.name, pipeline.nodes[link.node].name,
+                                     link.part)});
             }
     }
     return out;
@@ -130,7 +163,8 @@ std::vector<std::vector<Pick>> picks_of(const Pipeline& pipeline, const std::vec
 
 }  // namespace
 
-Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::optional<FrameSet>& deliver, bool cache, Report& report) {
+Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan,
+                     const std::optional<FrameSet>& deliver, bool cache, Report& report) {
     Inputs out;
     std::set<int> left_out;
     Foresight foresight(pipeline);
@@ -141,7 +175,8 @@ Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::opti
         if (!plan.needed[n] || !node.type->survey || !node.type->inputs.empty()) continue;
         const std::vector<int> once{pipeline.frames.frames().front()};
         const auto read = frames_needed(pipeline, plan, n, deliver);
-        SurveyOf of(n, node.rate == Rate::fixed ? once : node.frames.frames(), read, wanted[n], picks[n], foresight);
+        SurveyOf of(n, node.rate == Rate::fixed ? once : node.frames.frames(), read, wanted[n],
+                    picks[n], foresight);
         node.type->survey(node.params.get(), of);
         for (const auto& warning : of.warnings) report.warn(n, warning);
         out.stand_ins[n] = of.stand_ins;
@@ -151,13 +186,18 @@ Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::opti
         std::vector<int> asked;
         for (const auto frame : of.left_out)
             if (deliver && deliver->contains(frame)) asked.push_back(frame);
-        if (!asked.empty()) report.warn(n, fmt::format("left out because their files are missing, though -f names them: {}", FrameSet(asked).text()));
+        if (!asked.empty())
+            report.warn(
+                n, fmt::format("left out because their files are missing, though -f names them: {}",
+                               FrameSet(asked).text()));
         left_out.insert(of.left_out.begin(), of.left_out.end());
     }
     out.timelines = Timelines(pipeline, left_out);
-    // With frames left out, the nearest file of a frame may be another one: find the stand-ins again.
+    // With frames left out, the nearest file of a frame may be another one: find the stand-ins
+    // again.
     for (auto& [n, stand_ins] : out.stand_ins) {
-        if (stand_ins.empty() || left_out.empty() || pipeline.nodes[n].rate == Rate::fixed) continue;
+        if (stand_ins.empty() || left_out.empty() || pipeline.nodes[n].rate == Rate::fixed)
+            continue;
         const std::optional<FrameSet> none = FrameSet();
         SurveyOf again(n, out.timelines.delivered(n).frames, none, {}, {}, foresight);
         pipeline.nodes[n].type->survey(pipeline.nodes[n].params.get(), again);

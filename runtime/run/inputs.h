@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/base/frame_set.h"
 #include "graph/types/outlook.h"
 #include "runtime/plan/plan.h"
 #include "runtime/plan/timelines.h"
@@ -14,19 +15,25 @@
 
 namespace fluidcarve {
 
-/// What the readers of a run say of their files before it starts, and what follows from it for other nodes.
+/// What the readers of a run say of their files before it starts, and what follows from it for
+/// other nodes.
 struct Inputs {
-    Timelines timelines;                                           ///< the frames of each node, without those that readers leave out
-    std::vector<Fault> missing;                                    ///< files and grids that are missing or unreadable
-    std::vector<Fault> clashes;                                    ///< pictures of different sizes that meet in a node, which no body finds
-    std::map<std::size_t, std::map<int, int>> stand_ins;           ///< per node: frame to the frame whose file it uses instead of its own
-    std::map<std::size_t, std::map<std::string, Region>> regions;  ///< per node: where its outputs lie, by name, so far as it tells
-    std::uint64_t frame_bytes = 0;                                 ///< largest frame of a reader in memory, estimated from its file; 0: unknown
+    Timelines timelines;         ///< the frames of each node, without those that readers leave out
+    std::vector<Fault> missing;  ///< files and grids that are missing or unreadable
+    std::vector<Fault>
+        clashes;  ///< pictures of different sizes that meet in a node, which no body finds
+    std::map<std::size_t, std::map<int, int>>
+        stand_ins;  ///< per node: frame to the frame whose file it uses instead of its own
+    std::map<std::size_t, std::map<std::string, Region>>
+        regions;  ///< per node: where its outputs lie, by name, so far as it tells
+    std::uint64_t frame_bytes =
+        0;  ///< largest frame of a reader in memory, estimated from its file; 0: unknown
 };
 
 /// Calls the survey of each node that the run needs. Warnings go to the report.
 /// @param deliver  frames that per-frame nodes deliver; nothing: all
 /// @param cache    whether the run caches results
-Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::optional<FrameSet>& deliver, bool cache, Report& report);
+Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan,
+                     const std::optional<FrameSet>& deliver, bool cache, Report& report);
 
 }  // namespace fluidcarve

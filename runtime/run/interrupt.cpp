@@ -1,6 +1,6 @@
 #include "runtime/run/interrupt.h"
 
-#include "graph/output_file.h"
+#include "formats/file/output_file.h"
 #include "runtime/tell/exit_codes.h"
 
 #include <pthread.h>
@@ -22,17 +22,19 @@ sigset_t stop_signals() {
     sigaddset(&set, SIGINT);
     sigaddset(&set, SIGTERM);
     struct sigaction hang_up {};
-    if (sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler != SIG_IGN) sigaddset(&set, SIGHUP);
+    if (sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler != SIG_IGN)
+        sigaddset(&set, SIGHUP);
     return set;
 }
 
 }  // namespace
 
 Interrupt::Interrupt(std::string last_words, int grace_ms)
-    : last_words_(last_words.empty() ? std::string() : "\n" + std::move(last_words) + "\n"), grace_ms_(grace_ms) {
+    : last_words_(last_words.empty() ? std::string() : "\n" + std::move(last_words) + "\n"),
+      grace_ms_(grace_ms) {
     for (const int number : errors) std::signal(number, SIG_IGN);
-    // Signals are blocked in this thread, and so in all threads that it starts later. Only the watcher waits for them, without a descriptor, of which
-    // there may be no more.
+    // Signals are blocked in this thread, and so in all threads that it starts later. Only the
+    // watcher waits for them, without a descriptor, of which there may be no more.
     const auto set = stop_signals();
     pthread_sigmask(SIG_BLOCK, &set, nullptr);
     thread_ = std::thread([this] { watch(); });
@@ -58,7 +60,8 @@ void Interrupt::watch() {
         if (asked_) {
             OutputFile::remove_unfinished();
             // Past stdio: another thread may hold its lock for ever.
-            [[maybe_unused]] const auto told = write(STDERR_FILENO, last_words_.data(), last_words_.size());
+            [[maybe_unused]] const auto told =
+                write(STDERR_FILENO, last_words_.data(), last_words_.size());
             _exit(exit_code::interrupted);
         }
         asked_ = true;

@@ -6,8 +6,9 @@
 
 namespace fluidcarve {
 
-/// Handles SIGINT (Ctrl-C), SIGTERM and, unless it is ignored (nohup), SIGHUP during its lifetime. The first signal asks the run to stop.
-/// After a time of grace, or at the second signal, the process removes unfinished files and exits with code 130. Writing into a closed pipe or beyond a
+/// Handles SIGINT (Ctrl-C), SIGTERM and, unless it is ignored (nohup), SIGHUP during its lifetime.
+/// The first signal asks the run to stop. After a time of grace, or at the second signal, the
+/// process removes unfinished files and exits with code 130. Writing into a closed pipe or beyond a
 /// file size limit fails with an error in place of a signal. Create it before any other thread.
 class Interrupt {
 public:

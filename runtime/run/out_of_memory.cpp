@@ -1,6 +1,6 @@
 #include "runtime/run/out_of_memory.h"
 
-#include "graph/text/words.h"
+#include "carve/base/words.h"
 
 #include <fmt/format.h>
 
@@ -20,10 +20,12 @@ MemoryNow memory_now() {
     std::ifstream machine("/proc/meminfo");
     std::string line;
     while (std::getline(machine, line))
-        if (constexpr std::string_view name = "MemAvailable:"; line.starts_with(name)) out.free = std::stoull(line.substr(name.size())) * 1024;
+        if (constexpr std::string_view name = "MemAvailable:"; line.starts_with(name))
+            out.free = std::stoull(line.substr(name.size())) * 1024;
     rlimit limit{};
     if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
-        out.free = std::min(out.free, limit.rlim_cur > pages * page ? limit.rlim_cur - pages * page : 0);
+        out.free =
+            std::min(out.free, limit.rlim_cur > pages * page ? limit.rlim_cur - pages * page : 0);
     return out;
 }
 
@@ -33,11 +35,13 @@ std::string out_of_memory(std::string_view what, std::size_t frames, const Memor
                        : what == "finish" ? "while it worked on all that it had gathered"
                                           : "while it ran";
     const bool crowded = frames > 1 && memory.held > memory.free;
-    return fmt::format("out of memory {}: {}", doing,
-                       crowded ? fmt::format("{} frames were in flight; try a smaller --in-flight", frames)
-                               : fmt::format("it wanted more in one piece than is free ({} held by the run, {} free); give it a smaller volume or a coarser "
-                                             "lattice, or the run more memory",
-                                             size_text(memory.held), size_text(memory.free)));
+    return fmt::format(
+        "out of memory {}: {}", doing,
+        crowded ? fmt::format("{} frames were in flight; try a smaller --in-flight", frames)
+                : fmt::format("it wanted more in one piece than is free ({} held by the run, {} "
+                              "free); give it a smaller volume or a coarser "
+                              "lattice, or the run more memory",
+                              size_text(memory.held), size_text(memory.free)));
 }
 
 }  // namespace fluidcarve

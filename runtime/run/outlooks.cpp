@@ -14,7 +14,8 @@ class OutlookOf : public Outlook {
 public:
     OutlookOf(const Node& node, const Regions& known) {
         for (std::size_t i = 0; i < node.inputs.size(); ++i)
-            if (!node.inputs[i].empty()) inputs_[node.type->inputs[i].name] = together(node.inputs[i], known);
+            if (!node.inputs[i].empty())
+                inputs_[node.type->inputs[i].name] = together(node.inputs[i], known);
     }
 
     const Region* region(std::string_view input) const override {
@@ -24,7 +25,8 @@ public:
     void lies(const Region& region) override { outputs = region; }
     void warn(const std::string& message) override { warnings.push_back(message); }
 
-    /// Says that the outputs lie where all connected inputs lie together, if there are any and all are known.
+    /// Says that the outputs lie where all connected inputs lie together, if there are any and all
+    /// are known.
     void pass_on() {
         Region all;
         for (const auto& [name, input] : inputs_) {
@@ -44,12 +46,14 @@ private:
             const auto found = known.find({link.node, link.output});
             if (found == known.end()) return std::nullopt;
             if (links.size() == 1) return found->second;
-            out.boxes.insert(out.boxes.end(), found->second.boxes.begin(), found->second.boxes.end());
+            out.boxes.insert(out.boxes.end(), found->second.boxes.begin(),
+                             found->second.boxes.end());
         }
         return out;
     }
 
-    std::map<std::string, std::optional<Region>, std::less<>> inputs_;  ///< connected ones; nothing: not known
+    std::map<std::string, std::optional<Region>, std::less<>>
+        inputs_;  ///< connected ones; nothing: not known
 };
 
 }  // namespace
@@ -59,9 +63,12 @@ void foresee(const Pipeline& pipeline, const Plan& plan, const Inputs& inputs, R
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         if (!plan.needed[n]) continue;
-        if (const auto told = inputs.regions.find(n); told != inputs.regions.end() && !told->second.empty()) {
+        if (const auto told = inputs.regions.find(n);
+            told != inputs.regions.end() && !told->second.empty()) {
             for (std::size_t output = 0; output < node.outputs.size(); ++output)
-                if (const auto found = told->second.find(node.outputs[output].name); found != told->second.end()) known[{n, output}] = found->second;
+                if (const auto found = told->second.find(node.outputs[output].name);
+                    found != told->second.end())
+                    known[{n, output}] = found->second;
             continue;
         }
         OutlookOf of(node, known);
@@ -69,7 +76,8 @@ void foresee(const Pipeline& pipeline, const Plan& plan, const Inputs& inputs, R
         else of.pass_on();
         for (const auto& warning : of.warnings) report.warn(n, warning);
         if (!of.outputs) continue;
-        for (std::size_t output = 0; output < node.outputs.size(); ++output) known[{n, output}] = *of.outputs;
+        for (std::size_t output = 0; output < node.outputs.size(); ++output)
+            known[{n, output}] = *of.outputs;
     }
 }
 

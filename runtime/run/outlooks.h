@@ -4,8 +4,9 @@
 
 namespace fluidcarve {
 
-/// Follows through the pipeline what its readers say of where their outputs lie, and calls the `foresee` of each node that the run needs.
-/// Outputs of a node without one lie where all its inputs lie together. Warnings go to the report.
+/// Follows through the pipeline what its readers say of where their outputs lie, and calls the
+/// `foresee` of each node that the run needs. Outputs of a node without one lie where all its
+/// inputs lie together. Warnings go to the report.
 void foresee(const Pipeline& pipeline, const Plan& plan, const Inputs& inputs, Report& report);
 
 }  // namespace fluidcarve

@@ -14,7 +14,9 @@ void PortsOf::connect(std::size_t n, void* ports, const Outputs& held, const Out
             const bool per_frame = source.rate == Rate::frame;
             if (per_frame && !frame) continue;
             const auto& payload = (per_frame ? *frame : held)[link.node][link.output];
-            if (!payload) throw Failure(fmt::format("input '{}' got nothing from {}.{}", spec.name, source.name, source.outputs[link.output].name));
+            if (!payload)
+                throw Failure(fmt::format("input '{}' got nothing from {}.{}", spec.name,
+                                          source.name, source.outputs[link.output].name));
             in.push_back(taken(link, payload, spec));
         }
         spec.set(ports, in, node.input_names[i]);
@@ -26,7 +28,9 @@ Payload PortsOf::taken(const Link& link, const Payload& payload, const InputSpec
     try {
         return registry.selection(payload.type(), spec.type)->pick(payload, link.part);
     } catch (const Failure& failure) {
-        throw Failure(fmt::format("input '{}': '{}' {}", spec.name, pipeline.nodes[link.node].name, failure.what()), failure.kind);
+        throw Failure(fmt::format("input '{}': '{}' {}", spec.name, pipeline.nodes[link.node].name,
+                                  failure.what()),
+                      failure.kind);
     }
 }
 
@@ -48,7 +52,8 @@ std::vector<std::set<std::size_t>> PortsOf::readers() const {
 bool PortsOf::reads(std::size_t reader, std::size_t n, std::string_view output) const {
     for (const auto& links : pipeline.nodes[reader].inputs)
         for (const auto& link : links)
-            if (link.node == n && pipeline.nodes[n].outputs[link.output].name == output) return true;
+            if (link.node == n && pipeline.nodes[n].outputs[link.output].name == output)
+                return true;
     return false;
 }
 

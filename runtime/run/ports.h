@@ -17,8 +17,9 @@ struct PortsOf {
     const Pipeline& pipeline;
     const Registry& registry;
 
-    /// Sets a node's input ports. @param held  outputs of nodes that run once @param frame  outputs of a frame; null: inputs that arrive per
-    /// frame stay empty
+    /// Sets a node's input ports.
+    /// @param held  outputs of nodes that run once
+    /// @param frame  outputs of a frame; null: inputs that arrive per frame stay empty
     void connect(std::size_t node, void* ports, const Outputs& held, const Outputs* frame) const;
     /// The nodes of which a node reads outputs, or states checksums of outputs in its files.
     std::set<std::size_t> sources(std::size_t node) const;

@@ -1,5 +1,6 @@
 #include "runtime/run/preparation.h"
 
+#include "carve/base/frame_set.h"
 #include "runtime/run/outlooks.h"
 
 #include <fmt/format.h>
@@ -12,32 +13,38 @@
 namespace fluidcarve {
 namespace {
 
-std::vector<bool> delivered_of(const std::vector<int>& frames, const std::optional<FrameSet>& deliver) {
+std::vector<bool> delivered_of(const std::vector<int>& frames,
+                               const std::optional<FrameSet>& deliver) {
     std::vector<bool> out;
     for (const auto frame : frames) out.push_back(!deliver || deliver->contains(frame));
     return out;
 }
 
 /// Paths of the files that the run will read, if none is missing.
-std::vector<std::string> files_to_read(const Pipeline& pipeline, const Plan& plan, const std::optional<FrameSet>& deliver) {
+std::vector<std::string> files_to_read(const Pipeline& pipeline, const Plan& plan,
+                                       const std::optional<FrameSet>& deliver) {
     std::vector<std::string> out;
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         if (!plan.needed[n]) continue;
         const bool all = node.rate != Rate::frame || plan.in_sequence[n] || !deliver;
         for (const auto frame : node.frames.frames()) {
-            if (all || deliver->contains(frame)) std::ranges::move(named_files(node, frame), std::back_inserter(out));
+            if (all || deliver->contains(frame))
+                std::ranges::move(named_files(node, frame), std::back_inserter(out));
             if (node.rate != Rate::frame) break;
         }
     }
     return out;
 }
 
-std::string folder_of(const RunOptions& options, const char* part) { return options.cache ? options.work_folder + part : std::string(); }
+std::string folder_of(const RunOptions& options, const char* part) {
+    return options.cache ? options.work_folder + part : std::string();
+}
 
 }  // namespace
 
-Preparation::Preparation(const Pipeline& pipeline, const Registry& registry, const RunOptions& options, const Wish& wish,
+Preparation::Preparation(const Pipeline& pipeline, const Registry& registry,
+                         const RunOptions& options, const Wish& wish,
                          const std::optional<FrameSet>& deliver, Report& report, Manifest* manifest)
     : pipeline_(pipeline),
       plan_(make_plan(pipeline, wish)),
@@ -47,7 +54,8 @@ Preparation::Preparation(const Pipeline& pipeline, const Registry& registry, con
       cache_(registry, folder_of(options, "")),
       files_(folder_of(options, "/files")),
       dependencies_(pipeline, inputs_.timelines, inputs_.stand_ins, files_),
-      keys_(pipeline, dependencies_, [this](std::size_t n, std::size_t place) { return wants(n, place); }),
+      keys_(pipeline, dependencies_,
+            [this](std::size_t n, std::size_t place) { return wants(n, place); }),
       store_(pipeline, dependencies_, keys_, cache_, files_),
       grown_(pipeline.nodes.size()) {
     foresee(pipeline, plan_, inputs_, report);
@@ -61,7 +69,8 @@ Preparation::Preparation(const Pipeline& pipeline, const Registry& registry, con
     if (manifest) compare(*manifest);
 }
 
-void Preparation::each_file(const std::function<void(std::size_t node, std::size_t place, const std::string& path)>& see) const {
+void Preparation::each_file(const std::function<void(std::size_t node, std::size_t place,
+                                                     const std::string& path)>& see) const {
     for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
         const auto read = reads(n);
         for (std::size_t place = 0; place < read.size(); ++place) {
@@ -75,7 +84,11 @@ void Preparation::each_file(const std::function<void(std::size_t node, std::size
 std::string Preparation::fault_of_contents() {
     std::string out;
     each_file([&](std::size_t, std::size_t, const std::string& path) {
-        if (out.empty() && !files_.of(path)) out = fmt::format("{} could not be read when the run began, so that nothing tells its content; run again", path);
+        if (out.empty() && !files_.of(path))
+            out = fmt::format(
+                "{} could not be read when the run began, so that nothing tells its content; run "
+                "again",
+                path);
     });
     return out;
 }
@@ -84,10 +97,13 @@ void Preparation::compare(Manifest& manifest) {
     each_file([&](std::size_t n, std::size_t place, const std::string& path) {
         const auto& node = pipeline_.nodes[n];
         try {
-            if (const auto content = files_.of(path)) manifest.require(path, {content->key, content->size});
+            if (const auto content = files_.of(path))
+                manifest.require(path, {content->key, content->size});
         } catch (const Failure& failure) {
-            const auto frame = node.rate == Rate::frame ? std::optional(frames()[place]) : std::nullopt;
-            unlike_manifest_.push_back({node.name, node.type->name, frame, failure.what(), failure.kind});
+            const auto frame =
+                node.rate == Rate::frame ? std::optional(frames()[place]) : std::nullopt;
+            unlike_manifest_.push_back(
+                {node.name, node.type->name, frame, failure.what(), failure.kind});
         }
     });
 }
@@ -95,11 +111,14 @@ void Preparation::compare(Manifest& manifest) {
 std::vector<bool> Preparation::reads(std::size_t n) const {
     std::vector<bool> out(frames().size(), plan_.needed[n]);
     if (!plan_.needed[n] || pipeline_.nodes[n].rate != Rate::frame) return out;
-    for (std::size_t place = 0; place < out.size(); ++place) out[place] = delivers(n, place) && (plan_.in_sequence[n] || delivered_[place]);
+    for (std::size_t place = 0; place < out.size(); ++place)
+        out[place] = delivers(n, place) && (plan_.in_sequence[n] || delivered_[place]);
     return out;
 }
 
-bool Preparation::delivers(std::size_t n, std::size_t place) const { return inputs_.timelines.delivered(n).index[place].has_value(); }
+bool Preparation::delivers(std::size_t n, std::size_t place) const {
+    return inputs_.timelines.delivered(n).index[place].has_value();
+}
 
 bool Preparation::wants(std::size_t n, std::size_t place) const {
     static Context::Host silent;
@@ -128,28 +147,39 @@ Schedule Preparation::schedule(bool careful) {
         return found->second;
     };
     const Known known{[&](std::size_t n, std::size_t place) {
-                          return once(results, n, place, [&] { return careful ? store_.knows_whole(n, place) : store_.knows(n, place); });
+                          return once(results, n, place, [&] {
+                              return careful ? store_.knows_whole(n, place)
+                                             : store_.knows(n, place);
+                          });
                       },
                       [&](std::size_t n, std::size_t place) {
-                          return once(digests, n, place, [&] { return careful ? store_.knows_whole_digest(n, place) : store_.knows_digest(n, place); });
+                          return once(digests, n, place, [&] {
+                              return careful ? store_.knows_whole_digest(n, place)
+                                             : store_.knows_digest(n, place);
+                          });
                       },
                       [this](std::size_t n, std::size_t place) { return wants(n, place); },
                       [this](std::size_t n, std::size_t place) { return delivers(n, place); },
-                      [&](std::size_t n, std::size_t place) { return !careful && cache_.on() && static_cast<bool>(keys_.kept(n, place)); }};
+                      [&](std::size_t n, std::size_t place) {
+                          return !careful && cache_.on() && static_cast<bool>(keys_.kept(n, place));
+                      }};
     return make_schedule(pipeline_, plan_, delivered_, known);
 }
 
 Schedule Preparation::uncached_schedule() const {
     const auto nothing = [](std::size_t, std::size_t) { return false; };
-    return make_schedule(pipeline_, plan_, delivered_,
-                         {nothing, nothing, [this](std::size_t n, std::size_t place) { return wants(n, place); },
-                          [this](std::size_t n, std::size_t place) { return delivers(n, place); }, nothing});
+    return make_schedule(
+        pipeline_, plan_, delivered_,
+        {nothing, nothing, [this](std::size_t n, std::size_t place) { return wants(n, place); },
+         [this](std::size_t n, std::size_t place) { return delivers(n, place); }, nothing});
 }
 
 void Preparation::repeat_said(const Schedule& schedule, Report& report) {
     if (!cache_.on()) return;
     const auto uncached = uncached_schedule();
-    const auto runs_once = [](const Schedule& in, std::size_t n) { return in.once[n] == Schedule::Action::run; };
+    const auto runs_once = [](const Schedule& in, std::size_t n) {
+        return in.once[n] == Schedule::Action::run;
+    };
     const auto repeat = [&](std::size_t n, const Said& said) {
         for (const auto& warning : said.warnings) report.warn(n, warning);
         for (const auto& [section, entry] : said.report) report.entry(n, section, entry);
@@ -159,9 +189,11 @@ void Preparation::repeat_said(const Schedule& schedule, Report& report) {
         const auto now = frames_of(schedule, n), anew = frames_of(uncached, n);
         const bool once = runs_once(uncached, n) && !runs_once(schedule, n);
         for (std::size_t place = 0; place < frames().size(); ++place) {
-            if (node.type->digest != typeid(void) && anew.taken_anew.contains(place) && !now.taken_anew.contains(place))
+            if (node.type->digest != typeid(void) && anew.taken_anew.contains(place) &&
+                !now.taken_anew.contains(place))
                 repeat(n, store_.said_of_digest(n, place));
-            if ((once && place == 0) || (anew.run.contains(place) && !now.run.contains(place))) repeat(n, store_.said(n, place));
+            if ((once && place == 0) || (anew.run.contains(place) && !now.run.contains(place)))
+                repeat(n, store_.said(n, place));
         }
     }
 }

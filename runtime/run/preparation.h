@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/base/frame_set.h"
 #include "graph/types/registry.h"
 #include "runtime/keep/input_guard.h"
 #include "runtime/keep/manifest.h"
@@ -16,15 +17,17 @@
 
 namespace fluidcarve {
 
-/// All that is known of a run before it starts: the plan, what the readers say of their files, and which results are cached.
+/// All that is known of a run before it starts: the plan, what the readers say of their files, and
+/// which results are cached.
 class Preparation {
 public:
     /// Looks at the input files. Warnings go to the report.
     /// @param wish      must have no fault
     /// @param deliver   frames that per-frame nodes deliver; nothing: all
     /// @param manifest  what the input files are to hold; null: nothing is known
-    Preparation(const Pipeline& pipeline, const Registry& registry, const RunOptions& options, const Wish& wish, const std::optional<FrameSet>& deliver,
-                Report& report, Manifest* manifest = nullptr);
+    Preparation(const Pipeline& pipeline, const Registry& registry, const RunOptions& options,
+                const Wish& wish, const std::optional<FrameSet>& deliver, Report& report,
+                Manifest* manifest = nullptr);
 
     const Plan& plan() const { return plan_; }
     const Inputs& inputs() const { return inputs_; }
@@ -37,21 +40,23 @@ public:
     /// Per place: whether the run reads the node's files.
     std::vector<bool> reads(std::size_t node) const;
     const Dependencies& dependencies() const { return dependencies_; }
-    /// Files that are not as the manifest lists them, so far as the content is known without reading them: with the cache.
+    /// Files that are not as the manifest lists them, so far as the content is known without
+    /// reading them: with the cache.
     const std::vector<Fault>& unlike_manifest() const { return unlike_manifest_; }
     Cache& cache() { return cache_; }
     Store& store() { return store_; }
     InputGuard& guard() { return guard_; }
 
-    /// Why nothing is kept of what follows from an input file: its content could not be read when the run began. Empty: all contents are known.
+    /// Why nothing is kept of what follows from an input file: its content could not be read when
+    /// the run began. Empty: all contents are known.
     std::string fault_of_contents();
 
     /// How much of a node's growing result is kept, when the run begins.
     std::optional<GrownResult> grown(std::size_t node) const { return grown_[node]; }
 
     Schedule schedule();
-    /// For use after a cached result was missing or damaged: checks every byte of the entries it uses, and does not expect to load
-    /// results that this run is yet to compute.
+    /// For use after a cached result was missing or damaged: checks every byte of the entries it
+    /// uses, and does not expect to load results that this run is yet to compute.
     Schedule careful_schedule();
     /// The schedule with an empty cache.
     Schedule uncached_schedule() const;
@@ -60,7 +65,8 @@ public:
 
 private:
     /// Calls `see` for each file of the nodes that the run needs.
-    void each_file(const std::function<void(std::size_t node, std::size_t place, const std::string& path)>& see) const;
+    void each_file(const std::function<void(std::size_t node, std::size_t place,
+                                            const std::string& path)>& see) const;
     void compare(Manifest& manifest);
     Schedule schedule(bool careful);
 

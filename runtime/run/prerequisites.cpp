@@ -1,6 +1,6 @@
 #include "runtime/run/prerequisites.h"
 
-#include "graph/text/words.h"
+#include "carve/base/words.h"
 
 #include <fmt/format.h>
 
@@ -15,44 +15,60 @@ namespace {
 
 constexpr auto between_looks = std::chrono::milliseconds(500);
 
-/// Why a node's results should be there, and what makes them; empty: they are there, or the run may make them.
-std::string lack_of(const Pipeline& pipeline, std::size_t n, const Plan& plan, const Share& share, const RunRequest& request) {
+/// Why a node's results should be there, and what makes them; empty: they are there, or the run may
+/// make them.
+std::string lack_of(const Pipeline& pipeline, std::size_t n, const Plan& plan, const Share& share,
+                    const RunRequest& request) {
     const auto& node = pipeline.nodes[n];
     if (plan.targets[n] || plan.digested[n]) return {};
-    const auto waited = request.wait ? fmt::format("after {} s of --wait, ", *request.wait) : std::string();
+    const auto waited =
+        request.wait ? fmt::format("after {} s of --wait, ", *request.wait) : std::string();
     if (request.wish.only && share.runs > 0 && node.kept)
-        return fmt::format("has no results in the work folder for {} of {}, {}and --only runs no other node; run --to {} first", share.runs,
-                           counted(share.frames, "frame"), waited, node.name);
+        return fmt::format(
+            "has no results in the work folder for {} of {}, {}and --only runs no other node; run "
+            "--to {} first",
+            share.runs, counted(share.frames, "frame"), waited, node.name);
     if (!request.wait) return {};
     const auto lack = [&](const char* what, std::size_t frames) {
-        return fmt::format("{} {} of {} are not in the work folder '{}', {}and --wait leaves them to other runs; run --to {} first", what, frames,
-                           counted(std::max(share.frames, share.taken_anew + share.taken_kept), "frame"), request.options.work_folder, waited, node.name);
+        return fmt::format(
+            "{} {} of {} are not in the work folder '{}', {}and --wait leaves them to other runs; "
+            "run --to {} first",
+            what, frames,
+            counted(std::max(share.frames, share.taken_anew + share.taken_kept), "frame"),
+            request.options.work_folder, waited, node.name);
     };
     if (digests_apart(node) && share.taken_anew > 0) return lack("the data of", share.taken_anew);
     if (gathers_apart(node) && share.runs > 0) return lack("the results of", share.runs);
     return {};
 }
 
-std::vector<Fault> missing_in(const Pipeline& pipeline, const Plan& plan, const std::vector<Share>& shares, const RunRequest& request) {
+std::vector<Fault> missing_in(const Pipeline& pipeline, const Plan& plan,
+                              const std::vector<Share>& shares, const RunRequest& request) {
     std::vector<Fault> out;
     for (std::size_t n = 0; n < shares.size(); ++n)
         if (const auto lack = lack_of(pipeline, n, plan, shares[n], request); !lack.empty())
-            out.push_back({pipeline.nodes[n].name, pipeline.nodes[n].type->name, std::nullopt, lack, Failure::Kind::input});
+            out.push_back({pipeline.nodes[n].name, pipeline.nodes[n].type->name, std::nullopt, lack,
+                           Failure::Kind::input});
     return out;
 }
 
 }  // namespace
 
-Prerequisites wait_for_prerequisites(const Pipeline& pipeline, Preparation& prepared, const RunRequest& request, const std::function<bool()>& cancelled) {
+Prerequisites wait_for_prerequisites(const Pipeline& pipeline, Preparation& prepared,
+                                     const RunRequest& request,
+                                     const std::function<bool()>& cancelled) {
     using Clock = std::chrono::steady_clock;
-    const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(request.wait.value_or(0)));
+    const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                        std::chrono::duration<double>(request.wait.value_or(0)));
     const auto uncached = prepared.uncached_schedule();
     while (true) {
         Prerequisites out{prepared.schedule(), {}, {}};
         out.shares = shares(pipeline, prepared.plan(), out.schedule, uncached);
         out.missing = missing_in(pipeline, prepared.plan(), out.shares, request);
         if (const auto unread = prepared.cache().unread(); !unread.empty())
-            for (auto& fault : out.missing) fault.message = "nothing tells whether its results are in the work folder: " + unread;
+            for (auto& fault : out.missing)
+                fault.message =
+                    "nothing tells whether its results are in the work folder: " + unread;
         if (out.missing.empty() || cancelled() || Clock::now() >= end) return out;
         std::this_thread::sleep_for(between_looks);
         prepared.cache().look_again();

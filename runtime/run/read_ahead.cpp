@@ -1,6 +1,6 @@
 #include "runtime/run/read_ahead.h"
 
-#include "graph/input_file.h"
+#include "formats/file/input_file.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -10,7 +10,8 @@
 namespace fluidcarve {
 namespace {
 
-/// Tells the system what will be read of a file. A file that can't be opened is left to its reader, who says why.
+/// Tells the system what will be read of a file. A file that can't be opened is left to its reader,
+/// who says why.
 void tell_of(const std::string& path, InputFile::Use use) {
     try {
         InputFile(path, {"an input"}).advise(use);
@@ -19,7 +20,8 @@ void tell_of(const std::string& path, InputFile::Use use) {
 
 }  // namespace
 
-ReadAhead::ReadAhead(Files read, Files written, std::size_t ahead, std::uint64_t memory) : read_(std::move(read)), written_(std::move(written)), ahead_(ahead) {
+ReadAhead::ReadAhead(Files read, Files written, std::size_t ahead, std::uint64_t memory)
+    : read_(std::move(read)), written_(std::move(written)), ahead_(ahead) {
     for (std::size_t frame = 0; frame < read_.size(); ++frame)
         for (const auto& path : read_[frame]) last_[path] = frame;
     std::uint64_t all = 0;
@@ -66,14 +68,17 @@ void ReadAhead::work(const std::stop_token& stop) {
 void ReadAhead::drop(std::size_t done) {
     for (const auto& path : read_[done])
         if (last_[path] == done) tell_of(path, InputFile::Use::over);
-    // The system drops only what is on the disk. Of the rest it begins to write, so it is told again.
+    // The system drops only what is on the disk. Of the rest it begins to write, so it is told
+    // again.
     lately_.push_back(done);
     if (lately_.size() > ahead_ + 2) lately_.pop_front();
     for (const auto frame : lately_)
         for (const auto& path : written_[frame]) tell_of(path, InputFile::Use::over);
 }
 
-FilesOfPass files_of(const Store& store, const Wiring& wiring, const std::vector<Schedule::Frame>& scheduled, const std::vector<std::size_t>& places) {
+FilesOfPass files_of(const Store& store, const Wiring& wiring,
+                     const std::vector<Schedule::Frame>& scheduled,
+                     const std::vector<std::size_t>& places) {
     FilesOfPass out;
     for (const auto place : places) {
         auto &read = out.read.emplace_back(), &written = out.written.emplace_back();

@@ -16,9 +16,10 @@
 
 namespace fluidcarve {
 
-/// Has the system read the files of the next frames while earlier ones are worked on. It asks in a thread of its own, since a slow disk may keep who asks
-/// waiting. If all files that are read are together larger than memory, it also gives back the memory of those that no later frame reads, and of
-/// those that frames have written.
+/// Has the system read the files of the next frames while earlier ones are worked on. It asks in a
+/// thread of its own, since a slow disk may keep who asks waiting. If all files that are read are
+/// together larger than memory, it also gives back the memory of those that no later frame reads,
+/// and of those that frames have written.
 class ReadAhead {
 public:
     /// Paths of files, `[frame]`, in the order in which frames begin.
@@ -50,7 +51,8 @@ private:
     std::condition_variable_any changed_;
     std::size_t next_ = 0, until_ = 0;  ///< frames that are asked for next
     std::vector<std::size_t> done_;     ///< frames whose files may be dropped
-    std::deque<std::size_t> lately_;    ///< frames that were done last: not all that they wrote may be on the disk
+    std::deque<std::size_t>
+        lately_;  ///< frames that were done last: not all that they wrote may be on the disk
     std::jthread thread_;
 };
 
@@ -61,6 +63,8 @@ struct FilesOfPass {
 /// Finds the files that nodes read and write in the frames of a pass.
 /// @param scheduled  the pass's frames, by place
 /// @param places     of the frames, in the order in which they begin
-FilesOfPass files_of(const Store& store, const Wiring& wiring, const std::vector<Schedule::Frame>& scheduled, const std::vector<std::size_t>& places);
+FilesOfPass files_of(const Store& store, const Wiring& wiring,
+                     const std::vector<Schedule::Frame>& scheduled,
+                     const std::vector<std::size_t>& places);
 
 }  // namespace fluidcarve

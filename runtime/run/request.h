@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/base/frame_set.h"
 #include "graph/views/value_sources.h"
 #include "runtime/run/flow.h"
 
@@ -19,10 +20,13 @@ struct RunRequest {
     std::string manifest_path;        ///< empty: no manifest
     ValueSources sources;             ///< sources of the pipeline's values, for the page
     ProgressStyle progress = ProgressStyle::none;
-    std::optional<double> wait;  ///< seconds to wait for results of other runs in the work folder, which this run then does not make; nothing: it makes them
-    std::string task;            ///< JOB/STEP: this run is a task of a farm's job, and is recorded as one; empty: it is not
-    bool quiet = false;          ///< print failures only
-    bool verbose = false;        ///< print the forecast before the run, and the time of each node after it
+    std::optional<double> wait;  ///< seconds to wait for results of other runs in the work folder,
+                                 ///< which this run then does not make; nothing: it makes them
+    std::string task;    ///< JOB/STEP: this run is a task of a farm's job, and is recorded as one;
+                         ///< empty: it is not
+    bool quiet = false;  ///< print failures only
+    bool verbose =
+        false;  ///< print the forecast before the run, and the time of each node after it
 };
 
 }  // namespace fluidcarve

@@ -1,7 +1,8 @@
 #include "runtime/run/status.h"
 
-#include "graph/input_file.h"
-#include "graph/output_file.h"
+#include "carve/base/frame_set.h"
+#include "formats/file/input_file.h"
+#include "formats/file/output_file.h"
 #include "graph/text/json_text.h"
 #include "runtime/keep/work_folder.h"
 #include "runtime/tell/exit_codes.h"
@@ -23,10 +24,15 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double silent_seconds = 30;   ///< a run on another machine without an update for so long counts as killed
-constexpr std::size_t most_ended = 10;  ///< number of ended runs whose status files stay in the work folder
+constexpr double silent_seconds =
+    30;  ///< a run on another machine without an update for so long counts as killed
+constexpr std::size_t most_ended =
+    10;  ///< number of ended runs whose status files stay in the work folder
 
-double now() { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
+double now() {
+    return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch())
+        .count();
+}
 
 std::string host() {
     std::array<char, 256> name{};
@@ -36,22 +42,34 @@ std::string host() {
 
 /// State of a run: "running", "done", "failed", "interrupted" or "killed".
 std::string state_of(const Json& run) {
-    if (run.contains("exit")) return run["exit"] == exit_code::done ? "done" : run["exit"] == exit_code::interrupted ? "interrupted" : "failed";
-    if (run.value("host", "") == host()) return kill(run.value("pid", 0), 0) == 0 || errno == EPERM ? "running" : "killed";
+    if (run.contains("exit"))
+        return run["exit"] == exit_code::done          ? "done"
+               : run["exit"] == exit_code::interrupted ? "interrupted"
+                                                       : "failed";
+    if (run.value("host", "") == host())
+        return kill(run.value("pid", 0), 0) == 0 || errno == EPERM ? "running" : "killed";
     return now() - run.value("updated", 0.0) < silent_seconds ? "running" : "killed";
 }
 
-bool is_number(const Json& of, const char* name) { return of.contains(name) && of[name].is_number(); }
+bool is_number(const Json& of, const char* name) {
+    return of.contains(name) && of[name].is_number();
+}
 
 /// Whether a value read from a file has the form that StatusFile writes.
 bool well_formed(const Json& run) {
-    const auto is = [](const Json& of, const char* name, auto type) { return of.contains(name) && (of[name].*type)(); };
-    if (!run.is_object() || !is(run, "pid", &Json::is_number_integer) || !is(run, "started", &Json::is_number) || !is(run, "updated", &Json::is_number) ||
-        !is(run, "host", &Json::is_string) || !is(run, "pipeline", &Json::is_string) || !is(run, "nodes", &Json::is_object))
+    const auto is = [](const Json& of, const char* name, auto type) {
+        return of.contains(name) && (of[name].*type)();
+    };
+    if (!run.is_object() || !is(run, "pid", &Json::is_number_integer) ||
+        !is(run, "started", &Json::is_number) || !is(run, "updated", &Json::is_number) ||
+        !is(run, "host", &Json::is_string) || !is(run, "pipeline", &Json::is_string) ||
+        !is(run, "nodes", &Json::is_object))
         return false;
     for (const auto& [name, node] : run["nodes"].items())
-        if (!node.is_object() || !is(node, "type", &Json::is_string) || !is(node, "frames", &Json::is_number) || !is(node, "cached", &Json::is_number) ||
-            (node.contains("why") && !node["why"].is_string()) || (node.contains("item") && !node["item"].is_string()))
+        if (!node.is_object() || !is(node, "type", &Json::is_string) ||
+            !is(node, "frames", &Json::is_number) || !is(node, "cached", &Json::is_number) ||
+            (node.contains("why") && !node["why"].is_string()) ||
+            (node.contains("item") && !node["item"].is_string()))
             return false;
     return true;
 }
@@ -78,14 +96,18 @@ Json faults_of(const Report& report) {
     return out;
 }
 
-/// How far a node is that gathers: "16/16 frames gathered, 7/12 seams, interrupted"; empty if it gathers nothing, or has finished.
+/// How far a node is that gathers: "16/16 frames gathered, 7/12 seams, interrupted"; empty if it
+/// gathers nothing, or has finished.
 /// @param state  of the run
 std::string text_of_gathering(const Json& node, const std::string& state) {
     const auto of = node.find("gathering");
     if (of == node.end() || !of->is_object()) return {};
-    const auto share = [&](const char* done, const char* all) { return fmt::format("{}/{}", of->at(done).dump(), of->at(all).dump()); };
+    const auto share = [&](const char* done, const char* all) {
+        return fmt::format("{}/{}", of->at(done).dump(), of->at(all).dump());
+    };
     std::string out;
-    if (is_number(*of, "frames") && is_number(*of, "of_frames")) out = share("frames", "of_frames") + " frames gathered";
+    if (is_number(*of, "frames") && is_number(*of, "of_frames"))
+        out = share("frames", "of_frames") + " frames gathered";
     if (is_number(*of, "items") && is_number(*of, "of_items") && of->at("of_items") > 0)
         out += fmt::format(", {} {}s", share("items", "of_items"), node.value("item", "item"));
     return state == "running" ? out : out + ", " + state;
@@ -94,17 +116,19 @@ std::string text_of_gathering(const Json& node, const std::string& state) {
 /// "shot.yaml: done, 12 s, process 4711 on render7".
 std::string head_of(const Json& run) {
     const double seconds = run.value("updated", 0.0) - run.value("started", 0.0);
-    return fmt::format("{}: {}, {:.0f} s, process {} on {}\n", run.value("pipeline", ""), run.value("state", ""), seconds, run.value("pid", 0),
-                       run.value("host", ""));
+    return fmt::format("{}: {}, {:.0f} s, process {} on {}\n", run.value("pipeline", ""),
+                       run.value("state", ""), seconds, run.value("pid", 0), run.value("host", ""));
 }
 
 std::string text_of(const Json& run) {
     auto out = head_of(run) + "\n";
-    std::vector<std::vector<std::string>> rows{{"node", "type", "frames", "cached", "done", "gathering", "why it runs"}};
+    std::vector<std::vector<std::string>> rows{
+        {"node", "type", "frames", "cached", "done", "gathering", "why it runs"}};
     constexpr int column = 5;  ///< of "gathering", which is left out if it is empty
     bool gathers = false;
     for (const auto& [name, node] : run["nodes"].items()) {
-        rows.push_back({name, node.value("type", ""), node["frames"].dump(), node["cached"].dump(), node.value("done", Json(0)).dump(),
+        rows.push_back({name, node.value("type", ""), node["frames"].dump(), node["cached"].dump(),
+                        node.value("done", Json(0)).dump(),
                         text_of_gathering(node, run.value("state", "")), node.value("why", "")});
         gathers = gathers || !rows.back()[column].empty();
     }
@@ -115,7 +139,8 @@ std::string text_of(const Json& run) {
 
 }  // namespace
 
-StatusFile::StatusFile(const std::string& folder, const Forecast& forecast, const Report& report, const std::string& record)
+StatusFile::StatusFile(const std::string& folder, const Forecast& forecast, const Report& report,
+                       const std::string& record)
     : about_(to_json(forecast)), report_(report) {
     if (folder.empty()) return;
     const auto runs = folder + "/runs";
@@ -126,8 +151,10 @@ StatusFile::StatusFile(const std::string& folder, const Forecast& forecast, cons
         auto former = recorded_runs(runs);
         std::erase_if(former, [](const Json& run) { return run["state"] == "running"; });
         std::error_code ignored;
-        for (std::size_t n = most_ended; n < former.size(); ++n) fs::remove(former[n]["file"].get<std::string>(), ignored);
-        path_ = fmt::format("{}/{}.{}.{}.{:.0f}.json", runs, shot_of(forecast.pipeline), host(), getpid(), now() * 1000);
+        for (std::size_t n = most_ended; n < former.size(); ++n)
+            fs::remove(former[n]["file"].get<std::string>(), ignored);
+        path_ = fmt::format("{}/{}.{}.{}.{:.0f}.json", runs, shot_of(forecast.pipeline), host(),
+                            getpid(), now() * 1000);
     }
     thread_ = std::thread([this] {
         std::unique_lock lock(mutex_);
@@ -162,12 +189,17 @@ void StatusFile::write(const int* exit_code) const {
         if (const auto name = report_.name(n); out["nodes"].contains(name)) {
             out["nodes"][name]["done"] = done[n];
             if (const auto far = report_.gathering(n))
-                out["nodes"][name]["gathering"] = {{"frames", far->frames}, {"of_frames", far->of_frames}, {"items", far->items}, {"of_items", far->of_items}};
+                out["nodes"][name]["gathering"] = {{"frames", far->frames},
+                                                   {"of_frames", far->of_frames},
+                                                   {"items", far->items},
+                                                   {"of_items", far->of_items}};
         }
     write_status(path_, out);
 }
 
-void StatusFile::record_failure(const std::string& record, const std::string& pipeline, const std::vector<int>& frames, const Report& report, int exit_code) {
+void StatusFile::record_failure(const std::string& record, const std::string& pipeline,
+                                const std::vector<int>& frames, const Report& report,
+                                int exit_code) {
     auto about = Json::parse(text_of_own_file(record), nullptr, false);
     if (!well_formed(about) || about["pid"] != getpid() || about["host"] != host()) {
         about = {{"pipeline", pipeline}, {"frames", frames}, {"nodes", Json::object()}};
@@ -179,31 +211,41 @@ void StatusFile::record_failure(const std::string& record, const std::string& pi
     write_status(record, about);
 }
 
-std::string job_folder(const std::string& work_folder, const std::string& job) { return work_folder + "/jobs/" + job; }
+std::string job_folder(const std::string& work_folder, const std::string& job) {
+    return work_folder + "/jobs/" + job;
+}
 
 std::string task_name(const std::string& step, const std::optional<FrameSet>& frames) {
     if (!frames || frames->frames().empty()) return step;
     const auto first = frames->frames().front(), last = frames->frames().back();
-    return first == last ? fmt::format("{}.{}", step, first) : fmt::format("{}.{}-{}", step, first, last);
+    return first == last ? fmt::format("{}.{}", step, first)
+                         : fmt::format("{}.{}-{}", step, first, last);
 }
 
-std::string task_record(const std::string& work_folder, const std::string& task, const std::optional<FrameSet>& frames) {
+std::string task_record(const std::string& work_folder, const std::string& task,
+                        const std::optional<FrameSet>& frames) {
     const auto slash = task.find('/');
-    return job_folder(work_folder, task.substr(0, slash)) + "/tasks/" + task_name(task.substr(slash + 1), frames) + ".json";
+    return job_folder(work_folder, task.substr(0, slash)) + "/tasks/" +
+           task_name(task.substr(slash + 1), frames) + ".json";
 }
 
 std::vector<Json> recorded_runs(const std::string& folder) {
     std::vector<Json> out;
     std::error_code error;
-    for (fs::directory_iterator each(folder, error), end; !error && each != end; each.increment(error)) {
-        if (each->path().extension() != ".json" || each->path().filename().string().starts_with('.')) continue;
+    for (fs::directory_iterator each(folder, error), end; !error && each != end;
+         each.increment(error)) {
+        if (each->path().extension() != ".json" ||
+            each->path().filename().string().starts_with('.'))
+            continue;
         auto about = Json::parse(text_of_own_file(each->path()), nullptr, false);
         if (!well_formed(about)) continue;
         about["state"] = state_of(about);
         about["file"] = each->path().string();
         out.push_back(std::move(about));
     }
-    std::stable_sort(out.begin(), out.end(), [](const Json& a, const Json& b) { return a.value("started", 0.0) > b.value("started", 0.0); });
+    std::stable_sort(out.begin(), out.end(), [](const Json& a, const Json& b) {
+        return a.value("started", 0.0) > b.value("started", 0.0);
+    });
     return out;
 }
 
@@ -212,7 +254,8 @@ std::string status_text(const std::string& folder) {
     if (runs.empty()) return fmt::format("no runs are recorded in '{}'\n", folder);
     // What is alive in full, or the last one; of all others a line.
     std::string out, others;
-    const bool alive = std::ranges::any_of(runs, [](const Json& run) { return run["state"] == "running"; });
+    const bool alive =
+        std::ranges::any_of(runs, [](const Json& run) { return run["state"] == "running"; });
     for (const auto& run : runs) {
         const bool whole = alive ? run["state"] == "running" : &run == &runs.front();
         if (whole) out += (out.empty() ? "" : "\n") + text_of(run);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/base/frame_set.h"
 #include "runtime/run/forecast.h"
 #include "runtime/tell/report.h"
 
@@ -12,20 +13,25 @@
 
 namespace fluidcarve {
 
-/// Writes the status of a run to a file in the work folder, every second during its lifetime, for `fluidcarve status`.
+/// Writes the status of a run to a file in the work folder, every second during its lifetime, for
+/// `fluidcarve status`.
 class StatusFile {
 public:
     /// @param folder  the work folder; empty: no file
-    /// @param record  the file, if the run is a task of a farm (task_record); empty: one of its own, of which the latest stay
-    StatusFile(const std::string& folder, const Forecast& forecast, const Report& report, const std::string& record = {});
+    /// @param record  the file, if the run is a task of a farm (task_record); empty: one of its
+    ///   own, of which the latest stay
+    StatusFile(const std::string& folder, const Forecast& forecast, const Report& report,
+               const std::string& record = {});
     /// Writes the final status.
     void end(int exit_code);
     ~StatusFile();
     StatusFile(const StatusFile&) = delete;
     StatusFile& operator=(const StatusFile&) = delete;
 
-    /// Replaces the record of a task by its failures; it may have failed before it had a record. @param frames  that it was to deliver
-    static void record_failure(const std::string& record, const std::string& pipeline, const std::vector<int>& frames, const Report& report, int exit_code);
+    /// Replaces the record of a task by its failures; it may have failed before it had a record.
+    /// @param frames  that it was to deliver
+    static void record_failure(const std::string& record, const std::string& pipeline,
+                               const std::vector<int>& frames, const Report& report, int exit_code);
 
 private:
     void write(const int* exit_code) const;
@@ -41,16 +47,21 @@ private:
 
 /// The folder of a farm's job in a work folder.
 std::string job_folder(const std::string& work_folder, const std::string& job);
-/// The file in which a task of a farm's job says how it goes. @param task  JOB/STEP @param frames  of the task; nothing: its step has one task
-std::string task_record(const std::string& work_folder, const std::string& task, const std::optional<FrameSet>& frames);
+/// The file in which a task of a farm's job says how it goes.
+/// @param task  JOB/STEP
+/// @param frames  of the task; nothing: its step has one task
+std::string task_record(const std::string& work_folder, const std::string& task,
+                        const std::optional<FrameSet>& frames);
 /// How a task is called: `seams-energy.1001-1010`, by its first and last frame.
 std::string task_name(const std::string& step, const std::optional<FrameSet>& frames);
 
-/// What is known of the runs whose files lie in a folder, latest first, as pipelines/FORMATS.md says; a task that failed has its "faults", too.
+/// What is known of the runs whose files lie in a folder, latest first, as pipelines/FORMATS.md
+/// says; a task that failed has its "faults", too.
 std::vector<nlohmann::ordered_json> recorded_runs(const std::string& folder);
 
-/// What the verb `status` prints: each run in a work folder, latest first: its nodes, how much of each is done, how far those are that gather,
-/// and whether the run is running, has ended, or was killed.
+/// What the verb `status` prints: each run in a work folder, latest first: its nodes, how much of
+/// each is done, how far those are that gather, and whether the run is running, has ended, or was
+/// killed.
 std::string status_text(const std::string& folder);
 
 }  // namespace fluidcarve

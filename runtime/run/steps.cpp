@@ -1,5 +1,6 @@
 #include "runtime/run/steps.h"
 
+#include "carve/base/frame_set.h"
 #include "runtime/run/expected_costs.h"
 #include "runtime/run/forecast.h"
 
@@ -27,7 +28,8 @@ struct StepWork {
     NodeFrames frames;
 };
 
-/// Per-frame nodes that a node reads in a frame, itself included, up to those whose results are kept.
+/// Per-frame nodes that a node reads in a frame, itself included, up to those whose results are
+/// kept.
 std::set<std::size_t> computed_with(const Pipeline& pipeline, std::size_t node) {
     std::set<std::size_t> out{node};
     std::vector<std::size_t> open{node};
@@ -37,14 +39,16 @@ std::set<std::size_t> computed_with(const Pipeline& pipeline, std::size_t node) 
         for (const auto& links : pipeline.nodes[n].inputs)
             for (const auto& link : links) {
                 const auto& source = pipeline.nodes[link.node];
-                if (source.rate == Rate::frame && !source.kept && out.insert(link.node).second) open.push_back(link.node);
+                if (source.rate == Rate::frame && !source.kept && out.insert(link.node).second)
+                    open.push_back(link.node);
             }
     }
     return out;
 }
 
 /// Delivering nodes in groups, so that what is not kept is computed for one group only.
-std::vector<std::vector<std::size_t>> delivering_groups(const Pipeline& pipeline, const Plan& plan) {
+std::vector<std::vector<std::size_t>> delivering_groups(const Pipeline& pipeline,
+                                                        const Plan& plan) {
     struct Group {
         std::vector<std::size_t> nodes;
         std::set<std::size_t> computed;
@@ -54,7 +58,8 @@ std::vector<std::vector<std::size_t>> delivering_groups(const Pipeline& pipeline
         if (!plan.targets[n] || pipeline.nodes[n].rate != Rate::frame) continue;
         Group joined{{n}, computed_with(pipeline, n)};
         std::erase_if(groups, [&](const Group& group) {
-            const bool shares = std::ranges::any_of(group.computed, [&](std::size_t node) { return joined.computed.contains(node); });
+            const bool shares = std::ranges::any_of(
+                group.computed, [&](std::size_t node) { return joined.computed.contains(node); });
             if (!shares) return false;
             joined.nodes.insert(joined.nodes.end(), group.nodes.begin(), group.nodes.end());
             joined.computed.insert(group.computed.begin(), group.computed.end());
@@ -71,8 +76,13 @@ std::vector<std::vector<std::size_t>> delivering_groups(const Pipeline& pipeline
 /// Plays the steps of a run one after the other, with a work folder that is empty at first.
 class Rehearsal {
 public:
-    Rehearsal(const Pipeline& pipeline, const Registry& registry, const Preparation& prepared, const History& history, const RunOptions& options)
-        : pipeline_(pipeline), registry_(registry), prepared_(prepared), history_(history), options_(options) {
+    Rehearsal(const Pipeline& pipeline, const Registry& registry, const Preparation& prepared,
+              const History& history, const RunOptions& options)
+        : pipeline_(pipeline),
+          registry_(registry),
+          prepared_(prepared),
+          history_(history),
+          options_(options) {
         const std::vector<Maker> nobody(std::max<std::size_t>(1, prepared.frames().size()));
         results_.assign(pipeline.nodes.size(), nobody);
         digests_ = results_;
@@ -86,28 +96,40 @@ public:
             const auto taken = frames_of(whole, n).taken_anew;
             if (digests_apart(node) && !taken.empty()) {
                 const auto& input = digested_input(node);
-                add({node.name + "-" + input, fmt::format("takes from each frame what {} needs", node.name), {node.name + "." + input, {}, false}}, taken);
+                add({node.name + "-" + input,
+                     fmt::format("takes from each frame what {} needs", node.name),
+                     {node.name + "." + input, {}, false}},
+                    taken);
             }
             if (gathers_apart(node) && whole.once[n] == Action::run)
                 add({node.name,
-                     fmt::format("{} from all frames", node.type->growth ? "finds " + node.type->growth->item + "s" : "makes " + node.name),
+                     fmt::format("{} from all frames",
+                                 node.type->growth ? "finds " + node.type->growth->item + "s"
+                                                   : "makes " + node.name),
                      {node.name, {}, false}},
                     {});
         }
         const auto delivered = prepared_.delivered_frames();
         std::set<std::size_t> places;
         for (std::size_t place = 0; place < prepared_.frames().size(); ++place)
-            if (std::ranges::binary_search(delivered, prepared_.frames()[place])) places.insert(place);
+            if (std::ranges::binary_search(delivered, prepared_.frames()[place]))
+                places.insert(place);
         for (const auto& group : delivering_groups(pipeline_, plan)) {
             std::vector<std::string> names;
             for (const auto n : group) names.push_back(pipeline_.nodes[n].name);
             constexpr std::size_t most = 3;
-            const auto name = names.size() <= most ? fmt::format("{}", fmt::join(names, "-")) : fmt::format("{}-and-{}-more", names.front(), names.size() - 1);
-            add({name, fmt::format("delivers {}", fmt::join(names, ", ")), {fmt::format("{}", fmt::join(names, ",")), {}, false}}, places);
+            const auto name = names.size() <= most
+                                  ? fmt::format("{}", fmt::join(names, "-"))
+                                  : fmt::format("{}-and-{}-more", names.front(), names.size() - 1);
+            add({name,
+                 fmt::format("delivers {}", fmt::join(names, ", ")),
+                 {fmt::format("{}", fmt::join(names, ",")), {}, false}},
+                places);
         }
         for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
             const auto& node = pipeline_.nodes[n];
-            if (plan.targets[n] && node.rate != Rate::frame && !gathers_apart(node)) add({node.name, "delivers " + node.name, {node.name, {}, false}}, {});
+            if (plan.targets[n] && node.rate != Rate::frame && !gathers_apart(node))
+                add({node.name, "delivers " + node.name, {node.name, {}, false}}, {});
         }
         return std::move(out_);
     }
@@ -117,17 +139,22 @@ private:
     const std::string& digested_input(const Node& node) const {
         for (std::size_t input = 0; input < node.inputs.size(); ++input)
             for (const auto& link : node.inputs[input])
-                if (pipeline_.nodes[link.node].rate == Rate::frame) return node.type->inputs[input].name;
+                if (pipeline_.nodes[link.node].rate == Rate::frame)
+                    return node.type->inputs[input].name;
         return node.type->inputs.front().name;
     }
 
-    /// Whether the result of a node at a place is in the work folder by now; `place` counts only for nodes that deliver per frame.
-    Maker& maker(std::size_t n, std::size_t place) { return results_[n][pipeline_.nodes[n].rate == Rate::frame ? place : 0]; }
+    /// Whether the result of a node at a place is in the work folder by now; `place` counts only
+    /// for nodes that deliver per frame.
+    Maker& maker(std::size_t n, std::size_t place) {
+        return results_[n][pipeline_.nodes[n].rate == Rate::frame ? place : 0];
+    }
 
     /// Adds a step. @param places  of the frames that it takes; empty: it is not chunked
     void add(RunStep step, const std::set<std::size_t>& places) {
         const auto name = step.name;
-        for (int n = 2; std::ranges::find(out_, step.name, &RunStep::name) != out_.end(); ++n) step.name = fmt::format("{}-{}", name, n);
+        for (int n = 2; std::ranges::find(out_, step.name, &RunStep::name) != out_.end(); ++n)
+            step.name = fmt::format("{}-{}", name, n);
         step.chunked = !places.empty();
         std::vector<bool> delivered(prepared_.frames().size(), !step.chunked);
         for (const auto place : places) {
@@ -135,14 +162,20 @@ private:
             step.frames.push_back(prepared_.frames()[place]);
         }
         const auto plan = make_plan(pipeline_, step.wish);
-        const auto wants = [&](std::size_t n, std::size_t place) { return prepared_.wants(n, place); };
-        const auto delivers = [&](std::size_t n, std::size_t place) { return prepared_.delivers(n, place); };
-        const auto schedule = make_schedule(pipeline_, plan, delivered,
-                                            {[&](std::size_t n, std::size_t place) { return maker(n, place).has_value(); },
-                                             [&](std::size_t n, std::size_t place) { return digests_[n][place].has_value(); }, wants, delivers,
-                                             [&](std::size_t n, std::size_t) { return pipeline_.nodes[n].kept; }});
+        const auto wants = [&](std::size_t n, std::size_t place) {
+            return prepared_.wants(n, place);
+        };
+        const auto delivers = [&](std::size_t n, std::size_t place) {
+            return prepared_.delivers(n, place);
+        };
+        const auto schedule = make_schedule(
+            pipeline_, plan, delivered,
+            {[&](std::size_t n, std::size_t place) { return maker(n, place).has_value(); },
+             [&](std::size_t n, std::size_t place) { return digests_[n][place].has_value(); },
+             wants, delivers, [&](std::size_t n, std::size_t) { return pipeline_.nodes[n].kept; }});
         const auto nothing = [](std::size_t, std::size_t) { return false; };
-        const auto uncached = make_schedule(pipeline_, plan, delivered, {nothing, nothing, wants, delivers, nothing});
+        const auto uncached =
+            make_schedule(pipeline_, plan, delivered, {nothing, nothing, wants, delivers, nothing});
         const auto needed = makers_of(schedule);
         step.needs = without_implied(needed);
         all_needs_.push_back(closure(needed));
@@ -168,7 +201,8 @@ private:
         return out;
     }
 
-    /// Notes what a step leaves in the work folder. @return whether all that it makes there are its targets
+    /// Notes what a step leaves in the work folder.
+    /// @return whether all that it makes there are its targets
     bool make(const Schedule& schedule, const Plan& plan, std::size_t step) {
         bool only_targets = true;
         const auto made = [&](std::size_t n, std::size_t place) {
@@ -181,7 +215,8 @@ private:
             for (const auto& pass : schedule.frames)
                 for (std::size_t place = 0; place < pass.size(); ++place) {
                     if (pass[place].results[n] == Action::run) made(n, place);
-                    if (pass[place].takes[n] == Take::anew && digests_apart(pipeline_.nodes[n])) digests_[n][place] = step;
+                    if (pass[place].takes[n] == Take::anew && digests_apart(pipeline_.nodes[n]))
+                        digests_[n][place] = step;
                 }
         }
         return only_targets;
@@ -197,11 +232,14 @@ private:
     std::vector<std::size_t> without_implied(const std::set<std::size_t>& steps) const {
         std::vector<std::size_t> out;
         for (const auto step : steps)
-            if (std::ranges::none_of(steps, [&](std::size_t other) { return all_needs_[other].contains(step); })) out.push_back(step);
+            if (std::ranges::none_of(
+                    steps, [&](std::size_t other) { return all_needs_[other].contains(step); }))
+                out.push_back(step);
         return out;
     }
 
-    void set_cost(RunStep& step, const Schedule& schedule, const std::vector<Share>& shares, std::size_t all) const {
+    void set_cost(RunStep& step, const Schedule& schedule, const std::vector<Share>& shares,
+                  std::size_t all) const {
         const auto calls = calls_of(schedule);
         // A step may read fewer grids than the whole run, and so has frames of another size.
         auto options = options_;
@@ -211,19 +249,26 @@ private:
         const Preparation own(pipeline_, registry_, options, step.wish, frames, unused);
         const auto expected = expected_costs(pipeline_, own, calls, shares, history_, options_);
         std::vector<StepWork> works;
-        for (std::size_t n = 0; n < calls.size(); ++n) works.push_back({calls[n], shares[n], frames_of(schedule, n)});
-        step.cost = [&pipeline = pipeline_, options = options_, input_bytes = own.inputs().frame_bytes, works = std::move(works), expected,
+        for (std::size_t n = 0; n < calls.size(); ++n)
+            works.push_back({calls[n], shares[n], frames_of(schedule, n)});
+        step.cost = [&pipeline = pipeline_, options = options_,
+                     input_bytes = own.inputs().frame_bytes, works = std::move(works), expected,
                      all](std::size_t frames) {
             RunCost out;
             out.cores = options.threads;
-            const auto part = [&](std::size_t count) { return all == 0 ? count : (count * std::min(frames, all) + all - 1) / all; };
+            const auto part = [&](std::size_t count) {
+                return all == 0 ? count : (count * std::min(frames, all) + all - 1) / all;
+            };
             for (std::size_t n = 0; n < works.size(); ++n) {
                 const auto& [calls, share, at] = works[n];
                 const auto& node = pipeline.nodes[n];
                 const auto results = calls.loads - at.taken_kept.size();
-                const Calls own{part(calls.runs), part(calls.takes), part(results) + at.taken_kept.size(), calls.once};
+                const Calls own{part(calls.runs), part(calls.takes),
+                                part(results) + at.taken_kept.size(), calls.once};
                 out.seconds += expected_seconds(expected[n], own, out.all_measured);
-                const NodeWork work{own.once, node.rate == Rate::frame && !share.only_takes ? own.runs : 0, own.takes, share.taken_kept};
+                const NodeWork work{own.once,
+                                    node.rate == Rate::frame && !share.only_takes ? own.runs : 0,
+                                    own.takes, share.taken_kept};
                 out.memory += memory_of(node, expected[n], work, input_bytes, options);
                 out.disk += disk_of(node, expected[n], work, input_bytes);
             }
@@ -243,7 +288,8 @@ private:
 
 }  // namespace
 
-std::vector<RunStep> steps_of(const Pipeline& pipeline, const Registry& registry, const Preparation& prepared, const History& history,
+std::vector<RunStep> steps_of(const Pipeline& pipeline, const Registry& registry,
+                              const Preparation& prepared, const History& history,
                               const RunOptions& options) {
     return Rehearsal(pipeline, registry, prepared, history, options).steps();
 }
@@ -254,7 +300,8 @@ nlohmann::ordered_json to_json(const std::vector<RunStep>& steps) {
         std::vector<std::string> needs;
         for (const auto need : step.needs) needs.push_back(steps[need].name);
         const auto cost = step.cost(step.frames.size());
-        auto& entry = out.emplace_back(nlohmann::ordered_json{{"name", step.name}, {"what", step.what}, {"needs", needs}});
+        auto& entry = out.emplace_back(
+            nlohmann::ordered_json{{"name", step.name}, {"what", step.what}, {"needs", needs}});
         if (step.chunked) entry["frames"] = FrameSet(step.frames).text();
         entry.update({{"cores", cost.cores}, {"memory", cost.memory}, {"disk", cost.disk}});
         if (cost.all_measured) entry["seconds"] = cost.seconds;

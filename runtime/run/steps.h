@@ -22,22 +22,28 @@ struct RunCost {
     std::uint64_t disk = 0;    ///< bytes that it writes; 0: unknown
 };
 
-/// A part of a run that can be a run of its own, on another machine. It finds in the work folder what the steps before it have made.
+/// A part of a run that can be a run of its own, on another machine. It finds in the work folder
+/// what the steps before it have made.
 struct RunStep {
     std::string name;                  ///< unique: `seams-energy`, `seams`, `out`
     std::string what;                  ///< what it does, in words
     Wish wish;                         ///< what it runs
-    std::vector<std::size_t> needs{};  ///< indices of the steps that it waits for, without those that one of them waits for
+    std::vector<std::size_t> needs{};  ///< indices of the steps that it waits for, without those
+                                       ///< that one of them waits for
     bool chunked = false;              ///< several runs, each of some frames, make the same as one
-    std::vector<int> frames{};         ///< numbers of the frames that it digests or delivers; empty, if it is not chunked
+    std::vector<int> frames{};  ///< numbers of the frames that it digests or delivers; empty, if it
+                                ///< is not chunked
     /// What one run asks for. @param frames  that it takes, if the step is chunked
     std::function<RunCost(std::size_t frames)> cost{};
 };
 
-/// Cuts a run into steps, each after those that it needs: for every gatherer with digests one that makes them, for every node that makes
-/// something of all frames (gathers_apart) one that runs it, and then those that deliver. Nodes that deliver frames from one and the same
-/// computation share a step. So each kept result is computed once in all steps, whatever the work folder holds at present.
-std::vector<RunStep> steps_of(const Pipeline& pipeline, const Registry& registry, const Preparation& prepared, const History& history,
+/// Cuts a run into steps, each after those that it needs: for every gatherer with digests one that
+/// makes them, for every node that makes something of all frames (gathers_apart) one that runs it,
+/// and then those that deliver. Nodes that deliver frames from one and the same computation share a
+/// step. So each kept result is computed once in all steps, whatever the work folder holds at
+/// present.
+std::vector<RunStep> steps_of(const Pipeline& pipeline, const Registry& registry,
+                              const Preparation& prepared, const History& history,
                               const RunOptions& options);
 
 /// The steps for programs, as `plan --json` prints them (pipelines/FORMATS.md).

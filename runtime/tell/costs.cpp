@@ -6,7 +6,8 @@
 namespace fluidcarve {
 namespace {
 
-double seconds_between(std::chrono::steady_clock::time_point from, std::chrono::steady_clock::time_point to) {
+double seconds_between(std::chrono::steady_clock::time_point from,
+                       std::chrono::steady_clock::time_point to) {
     return std::chrono::duration<double>(to - from).count();
 }
 
@@ -22,7 +23,8 @@ double serial_part(const CostSetting& at) {
     // What one thread did does not tell.
     constexpr double unknown = 0.5;
     if (at.abreast <= 1) return unknown;
-    return std::clamp((1 / std::max(1.0, at.cores) - 1 / at.abreast) / (1 - 1 / at.abreast), 0.0, 1.0);
+    return std::clamp((1 / std::max(1.0, at.cores) - 1 / at.abreast) / (1 - 1 / at.abreast), 0.0,
+                      1.0);
 }
 
 double ratio(double now, double then) { return now > 0 && then > 0 ? now / then : 1; }
@@ -32,13 +34,18 @@ double ratio(double now, double then) { return now > 0 && then > 0 ? now / then 
 double seconds_in(const WorkTime& cost, const CostSetting& now) {
     const auto& then = cost.at;
     const double serial = serial_part(then);
-    const auto slowness = [&](double abreast) { return serial + (1 - serial) / std::max(1.0, abreast); };
-    return cost.seconds * ratio(static_cast<double>(now.input_bytes), static_cast<double>(then.input_bytes)) *
+    const auto slowness = [&](double abreast) {
+        return serial + (1 - serial) / std::max(1.0, abreast);
+    };
+    return cost.seconds *
+           ratio(static_cast<double>(now.input_bytes), static_cast<double>(then.input_bytes)) *
            ratio(static_cast<double>(now.gathered), static_cast<double>(then.gathered)) *
-           ratio(static_cast<double>(now.items), static_cast<double>(then.items)) * slowness(now.abreast) / slowness(then.abreast);
+           ratio(static_cast<double>(now.items), static_cast<double>(then.items)) *
+           slowness(now.abreast) / slowness(then.abreast);
 }
 
-WorkTimes::Span::Span(WorkTimes& costs) : costs_(costs), start_(costs.enter()), cpu_start_(processor_seconds()) {}
+WorkTimes::Span::Span(WorkTimes& costs)
+    : costs_(costs), start_(costs.enter()), cpu_start_(processor_seconds()) {}
 
 double WorkTimes::Span::end() {
     if (!open_) return share_;
@@ -86,7 +93,8 @@ NodeCost WorkTimes::of(std::size_t node) const {
     const std::lock_guard lock(mutex_);
     NodeCost out;
     for (std::size_t work = 0; work < work_kinds; ++work)
-        if (const auto& sum = sums_[node][work]; sum.calls > 0) out.of[work] = WorkTime{sum.seconds / static_cast<double>(sum.calls), sum.at};
+        if (const auto& sum = sums_[node][work]; sum.calls > 0)
+            out.of[work] = WorkTime{sum.seconds / static_cast<double>(sum.calls), sum.at};
     return out;
 }
 

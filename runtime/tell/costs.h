@@ -13,8 +13,9 @@ namespace fluidcarve {
 
 /// What a time depends on, as far as a run knows it. A zero is unknown, or does not matter.
 struct CostSetting {
-    double abreast = 1;             ///< bodies that could work at once; for a body that is called once: threads
-    double cores = 1;               ///< cores that a body called once kept busy
+    double abreast =
+        1;             ///< bodies that could work at once; for a body that is called once: threads
+    double cores = 1;  ///< cores that a body called once kept busy
     std::uint64_t input_bytes = 0;  ///< memory of a frame, as the readers estimate it
     std::size_t gathered = 0;       ///< frames that a gatherer had taken
     std::size_t items = 0;          ///< items of a growing result (Growth) that were found
@@ -27,8 +28,9 @@ struct WorkTime {
     CostSetting at;
 };
 
-/// The time that it takes in another setting. It is proportional to bytes, frames and items, and inverse to what can work at once; of a body
-/// that is called once only so far as it kept several cores busy (Amdahl's law).
+/// The time that it takes in another setting. It is proportional to bytes, frames and items, and
+/// inverse to what can work at once; of a body that is called once only so far as it kept several
+/// cores busy (Amdahl's law).
 double seconds_in(const WorkTime& cost, const CostSetting& now);
 
 /// The kinds of work of a node.
@@ -47,15 +49,19 @@ struct NodeCost {
     std::uint64_t bytes_of_input = 0;  ///< CostSetting::input_bytes of `bytes`
 
     std::optional<WorkTime>& operator[](Work work) { return of[static_cast<std::size_t>(work)]; }
-    const std::optional<WorkTime>& operator[](Work work) const { return of[static_cast<std::size_t>(work)]; }
+    const std::optional<WorkTime>& operator[](Work work) const {
+        return of[static_cast<std::size_t>(work)];
+    }
 };
 
-/// Measures what each kind of work takes. While k bodies work at once, each counts for a k-th of the time: so all that is measured adds up
-/// to the wall time in which anything worked. Thread-safe.
+/// Measures what each kind of work takes. While k bodies work at once, each counts for a k-th of
+/// the time: so all that is measured adds up to the wall time in which anything worked.
+/// Thread-safe.
 class WorkTimes {
 public:
     /// @param expected  one per node, in the setting of this run
-    explicit WorkTimes(std::vector<NodeCost> expected) : expected_(std::move(expected)), sums_(expected_.size()) {}
+    explicit WorkTimes(std::vector<NodeCost> expected)
+        : expected_(std::move(expected)), sums_(expected_.size()) {}
 
     /// Seconds that a call of this kind is expected to take; nothing: unknown.
     std::optional<double> expected(std::size_t node, Work work) const;
@@ -68,9 +74,12 @@ public:
         Span(const Span&) = delete;
         Span& operator=(const Span&) = delete;
 
-        /// Ends the span; does nothing if it has ended. @return its share of the wall time so far, seconds
+        /// Ends the span; does nothing if it has ended.
+        /// @return its share of the wall time so far, seconds
         double end();
-        double cores() const { return cores_; }  ///< cores that the process kept busy, once the span has ended
+        double cores() const {
+            return cores_;
+        }  ///< cores that the process kept busy, once the span has ended
 
     private:
         WorkTimes& costs_;
@@ -81,7 +90,9 @@ public:
         bool open_ = true;
     };
 
-    /// Adds a call. @param seconds  its share of the wall time; of several calls the mean counts, and the latest setting
+    /// Adds a call.
+    /// @param seconds  its share of the wall time; of several calls the mean counts, and the latest
+    ///   setting
     void add(std::size_t node, Work work, double seconds, const CostSetting& at);
     /// The mean costs of a node's calls; `bytes` is not measured here.
     NodeCost of(std::size_t node) const;
@@ -99,7 +110,8 @@ private:
     const std::vector<NodeCost> expected_;
     mutable std::mutex mutex_;
     std::size_t at_work_ = 0;  ///< open spans
-    double shared_ = 0;        ///< sum of the wall time, each moment divided by the number of open spans; seconds
+    double shared_ =
+        0;  ///< sum of the wall time, each moment divided by the number of open spans; seconds
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
     std::vector<std::array<Sum, work_kinds>> sums_;
 };

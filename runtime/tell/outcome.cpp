@@ -1,6 +1,6 @@
 #include "runtime/tell/outcome.h"
 
-#include "graph/text/words.h"
+#include "carve/base/words.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,16 +11,22 @@ namespace fluidcarve {
 
 std::string done_text(const Outcome& outcome) {
     const auto frames = counted(outcome.frames, "frame");
-    const auto out = outcome.idle ? fmt::format("done: nothing had to be done, all is there already: {}", frames)
-                                  : fmt::format("done: {} in {:.1f} s", frames, outcome.seconds);
-    return outcome.paths.empty() ? out : fmt::format("{} -> {}", out, fmt::join(outcome.paths, ", "));
+    const auto out =
+        outcome.idle ? fmt::format("done: nothing had to be done, all is there already: {}", frames)
+                     : fmt::format("done: {} in {:.1f} s", frames, outcome.seconds);
+    return outcome.paths.empty() ? out
+                                 : fmt::format("{} -> {}", out, fmt::join(outcome.paths, ", "));
 }
 
-std::string interrupted_text(bool kept) { return kept ? "interrupted; run it again to go on" : "interrupted; with --no-cache the next run begins anew"; }
+std::string interrupted_text(bool kept) {
+    return kept ? "interrupted; run it again to go on"
+                : "interrupted; with --no-cache the next run begins anew";
+}
 
 bool nothing_to_do(const std::vector<Share>& shares) {
     return std::ranges::any_of(shares, [](const Share& share) { return share.frames > 0; }) &&
-           std::ranges::all_of(shares, [](const Share& share) { return share.runs == 0 && share.taken_anew == 0; });
+           std::ranges::all_of(
+               shares, [](const Share& share) { return share.runs == 0 && share.taken_anew == 0; });
 }
 
 std::vector<std::string> written_paths(const Pipeline& pipeline, const std::vector<Share>& shares) {

@@ -13,10 +13,12 @@ namespace fluidcarve {
 struct Outcome {
     std::size_t frames = 0;  ///< delivered
     double seconds = 0;
-    bool idle = false;               ///< nothing had to be done
-    std::vector<std::string> paths;  ///< of the files that it wrote, or found up to date, with frame tokens
+    bool idle = false;  ///< nothing had to be done
+    std::vector<std::string>
+        paths;  ///< of the files that it wrote, or found up to date, with frame tokens
 };
-/// "done: 6 frames in 12.3 s -> out/plume.####.vdb, out/plume.png"; "done: nothing had to be done, all is there already: 6 frames -> ...".
+/// "done: 6 frames in 12.3 s -> out/plume.####.vdb, out/plume.png"; "done: nothing had to be done,
+/// all is there already: 6 frames -> ...".
 std::string done_text(const Outcome& outcome);
 
 /// What an interrupted run tells. @param kept  whether the work folder keeps what was computed

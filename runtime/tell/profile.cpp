@@ -6,20 +6,29 @@
 
 namespace fluidcarve {
 
-void RunProfile::add(const char* category, std::size_t node, std::optional<int> frame, Clock::time_point start) {
+void RunProfile::add(const char* category, std::size_t node, std::optional<int> frame,
+                     Clock::time_point start) {
     const auto end = Clock::now();
     const std::lock_guard lock(mutex_);
-    const auto thread = threads_.try_emplace(std::this_thread::get_id(), static_cast<int>(threads_.size()) + 1).first->second;
+    const auto thread =
+        threads_.try_emplace(std::this_thread::get_id(), static_cast<int>(threads_.size()) + 1)
+            .first->second;
     events_.push_back({category, node, frame, start, end, thread});
 }
 
 std::string RunProfile::text() const {
     using Json = nlohmann::ordered_json;
-    const auto microseconds = [](Clock::duration time) { return std::chrono::duration<double, std::micro>(time).count(); };
+    const auto microseconds = [](Clock::duration time) {
+        return std::chrono::duration<double, std::micro>(time).count();
+    };
     const std::lock_guard lock(mutex_);
     auto events = Json::array();
     for (const auto& [id, thread] : threads_)
-        events.push_back({{"name", "thread_name"}, {"ph", "M"}, {"pid", 1}, {"tid", thread}, {"args", {{"name", "thread " + std::to_string(thread)}}}});
+        events.push_back({{"name", "thread_name"},
+                          {"ph", "M"},
+                          {"pid", 1},
+                          {"tid", thread},
+                          {"args", {{"name", "thread " + std::to_string(thread)}}}});
     for (const auto& event : events_) {
         const auto& node = pipeline_.nodes[event.node];
         Json args{{"type", node.type->name}};

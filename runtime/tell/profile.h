@@ -12,8 +12,8 @@
 
 namespace fluidcarve {
 
-/// Records when each node's body ran, on which thread, and when results were loaded and cached. Written in Chrome's trace format.
-/// Thread-safe.
+/// Records when each node's body ran, on which thread, and when results were loaded and cached.
+/// Written in Chrome's trace format. Thread-safe.
 class RunProfile {
 public:
     using Clock = std::chrono::steady_clock;
@@ -24,7 +24,8 @@ public:
     class Span {
     public:
         /// @param profile   null: the event is not recorded
-        /// @param category  run, take, digest, finish: a body of the node; load, keep: its cached results. Must outlive the profile
+        /// @param category  run, take, digest, finish: a body of the node; load, keep: its cached
+        ///   results. Must outlive the profile
         /// @param frame     frame number, if the event belongs to one frame
         Span(RunProfile* profile, const char* category, std::size_t node, std::optional<int> frame)
             : profile_(profile), category_(category), node_(node), frame_(frame) {}
@@ -42,8 +43,9 @@ public:
         const Clock::time_point start_ = Clock::now();
     };
 
-    /// JSON: {"traceEvents": [{"name", "cat", "ph": "X", "ts", "dur", "pid", "tid", "args": {"type", "frame"}}]}. Times are in
-    /// microseconds since the construction of the profile, threads are numbered from 1.
+    /// JSON: {"traceEvents": [{"name", "cat", "ph": "X", "ts", "dur", "pid", "tid", "args":
+    /// {"type", "frame"}}]}. Times are in microseconds since the construction of the profile,
+    /// threads are numbered from 1.
     std::string text() const;
 
 private:
@@ -54,7 +56,8 @@ private:
         Clock::time_point start, end;
         int thread;
     };
-    void add(const char* category, std::size_t node, std::optional<int> frame, Clock::time_point start);
+    void add(const char* category, std::size_t node, std::optional<int> frame,
+             Clock::time_point start);
 
     const Pipeline& pipeline_;
     const Clock::time_point start_ = Clock::now();

@@ -18,7 +18,8 @@ constexpr auto clear_line = "\r\x1b[K";
 
 std::string clock_text(double seconds) {
     const auto whole = static_cast<long>(std::ceil(seconds));
-    if (whole >= 3600) return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+    if (whole >= 3600)
+        return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
     return fmt::format("{:02}:{:02}", whole / 60, whole % 60);
 }
 
@@ -35,7 +36,8 @@ std::chrono::milliseconds pause_of(ProgressStyle style) {
 
 }  // namespace
 
-Progress::Progress(ProgressStyle style, std::size_t passes, std::function<void(const std::string& line)> say)
+Progress::Progress(ProgressStyle style, std::size_t passes,
+                   std::function<void(const std::string& line)> say)
     : style_(style), passes_(passes), say_(std::move(say)) {
     if (style_ != ProgressStyle::plain) return;
     ticker_ = std::jthread([this](const std::stop_token& stop) {
@@ -105,7 +107,10 @@ std::pair<double, double> Progress::spent_and_left() const {
     double left = 0;
     for (const auto& state : steps_) {
         const auto& expected = state.step.expected_s;
-        const double one_run = expected ? (state.seconds + weight * *expected) / (state.done + weight) : state.done > 0 ? state.seconds / state.done : average;
+        const double one_run = expected
+                                   ? (state.seconds + weight * *expected) / (state.done + weight)
+                               : state.done > 0 ? state.seconds / state.done
+                                                : average;
         left += (static_cast<double>(state.step.runs) - state.done) * one_run;
     }
     return {spent, left};
@@ -127,7 +132,8 @@ void Progress::say(const std::string& line) {
 
 double Progress::left() const {
     const auto [spent, left] = spent_and_left();
-    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    const double wall =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     return spent > 0 ? left * wall / spent : left;
 }
 
@@ -166,8 +172,10 @@ void Progress::show(bool always) {
             "\n");
         return;
     }
-    const auto status = fmt::format("pass {}/{}, {} left: {}", pass_ + 1, passes_, clock_text(seconds_left), current_);
-    if (style_ == ProgressStyle::plain) return put(fmt::format("{:3.0f} %, {}\n", fraction * 100, status));
+    const auto status = fmt::format("pass {}/{}, {} left: {}", pass_ + 1, passes_,
+                                    clock_text(seconds_left), current_);
+    if (style_ == ProgressStyle::plain)
+        return put(fmt::format("{:3.0f} %, {}\n", fraction * 100, status));
     if (style_ == ProgressStyle::openjd) {
         fmt::print("openjd_progress: {:.1f}\nopenjd_status: {}\n", fraction * 100, status);
         std::fflush(stdout);
@@ -175,7 +183,8 @@ void Progress::show(bool always) {
     }
     constexpr int width = 24;
     const int filled = static_cast<int>(fraction * width);
-    put(fmt::format("{}[{:=<{}}{:>{}}] {:3.0f} %  pass {}/{}  {} left  {}", clear_line, "", filled, "", width - filled, fraction * 100, pass_ + 1, passes_,
+    put(fmt::format("{}[{:=<{}}{:>{}}] {:3.0f} %  pass {}/{}  {} left  {}", clear_line, "", filled,
+                    "", width - filled, fraction * 100, pass_ + 1, passes_,
                     clock_text(seconds_left), current_));
     drawn_ = true;
 }

@@ -19,17 +19,20 @@ enum class ProgressStyle {
     bar,     ///< one line on a terminal, redrawn
     json,    ///< one line of JSON per second
     plain,   ///< a line for each frame that is done with a pass, and every ten seconds, for logs
-    openjd,  ///< one line with the percentage and one with the status per second, on stdout, as Open Job Description wants them
+    openjd,  ///< one line with the percentage and one with the status per second, on stdout, as
+             ///< Open Job Description wants them
 };
 
 /// Prints the progress of a run and the time left to stderr. Thread-safe.
 ///
-/// A step is one kind of work (a node's run per frame, or its finish) with its number of runs. The time left is the sum over all steps
-/// of the mean time of a run so far, times the number of runs left. Steps that have not begun count with their expected time; without one,
-/// with the mean of the others. All times are shares of the wall time (WorkTimes).
+/// A step is one kind of work (a node's run per frame, or its finish) with its number of runs. The
+/// time left is the sum over all steps of the mean time of a run so far, times the number of runs
+/// left. Steps that have not begun count with their expected time; without one, with the mean of
+/// the others. All times are shares of the wall time (WorkTimes).
 ///
-/// The share that is shown never falls. If the time left turns out longer than was thought, what is left to show stands for what is left to do:
-/// each part of that moves the bar by the same part of the rest.
+/// The share that is shown never falls. If the time left turns out longer than was thought, what is
+/// left to show stands for what is left to do: each part of that moves the bar by the same part of
+/// the rest.
 class Progress {
 public:
     struct Step {
@@ -38,7 +41,8 @@ public:
         std::optional<double> expected_s;  ///< of one run
     };
     /// @param say  tells the user a line of text; null: `say` tells nothing
-    Progress(ProgressStyle style, std::size_t passes, std::function<void(const std::string& line)> say = nullptr);
+    Progress(ProgressStyle style, std::size_t passes,
+             std::function<void(const std::string& line)> say = nullptr);
     ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
@@ -47,9 +51,13 @@ public:
     void begin_again();
     std::size_t add(Step step);
     void begin_pass(std::size_t pass);
-    /// To be called after each run of a step. @param seconds  time of the run @param frame  frame number, shown beside the bar
+    /// To be called after each run of a step.
+    /// @param seconds  time of the run
+    /// @param frame  frame number, shown beside the bar
     void done(std::size_t step, double seconds, std::optional<int> frame);
-    /// To be called during the run of a step with a single run. @param fraction  finished part, 0..1 @param seconds  time so far
+    /// To be called during the run of a step with a single run.
+    /// @param fraction  finished part, 0..1
+    /// @param seconds  time so far
     void part(std::size_t step, double fraction, double seconds);
 
     /// To be called when a frame is done with a pass. @param frame  frame number
@@ -82,7 +90,8 @@ private:
     double shown_share_ = 0;
     mutable std::mutex mutex_;
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-    std::chrono::steady_clock::time_point shown_ = style_ == ProgressStyle::plain ? start_ : std::chrono::steady_clock::time_point();
+    std::chrono::steady_clock::time_point shown_ =
+        style_ == ProgressStyle::plain ? start_ : std::chrono::steady_clock::time_point();
     bool drawn_ = false;
     std::condition_variable_any ended_;
     std::jthread ticker_;  ///< of a plain style: shows that the run is alive

@@ -1,6 +1,6 @@
 #include "runtime/tell/report.h"
 
-#include "graph/text/one_line.h"
+#include "carve/base/one_line.h"
 
 #include <fmt/format.h>
 
@@ -12,12 +12,15 @@
 namespace fluidcarve {
 
 std::string to_text(const Fault& fault) {
-    return fmt::format("{} ({}){}: {}", fault.node, fault.type, fault.frame ? fmt::format(", frame {}", *fault.frame) : std::string(), one_line(fault.message));
+    return fmt::format("{} ({}){}: {}", fault.node, fault.type,
+                       fault.frame ? fmt::format(", frame {}", *fault.frame) : std::string(),
+                       one_line(fault.message));
 }
 
 namespace {
 
-/// Sorts the fields of an entry with a field per frame by frame number. Returns any other entry unchanged.
+/// Sorts the fields of an entry with a field per frame by frame number. Returns any other entry
+/// unchanged.
 nlohmann::ordered_json in_order(const nlohmann::ordered_json& entry) {
     std::map<int, nlohmann::ordered_json> frames;
     if (entry.is_object())
@@ -98,7 +101,9 @@ std::uint64_t Report::most_bytes(std::size_t n) const {
 
 std::optional<Gathering> Report::gathering(std::size_t n) const {
     const std::lock_guard lock(mutex_);
-    if (n >= shares_.size() || !pipeline_.nodes[n].streams_in() || shares_[n].only_takes || stats_[n].finished) return std::nullopt;
+    if (n >= shares_.size() || !pipeline_.nodes[n].streams_in() || shares_[n].only_takes ||
+        stats_[n].finished)
+        return std::nullopt;
     const auto needed = shares_[n].taken_anew + shares_[n].taken_kept;
     if (needed == 0) return std::nullopt;
     return Gathering{stats_[n].gathered.size(), needed, stats_[n].items, stats_[n].of_items};
@@ -107,14 +112,18 @@ std::optional<Gathering> Report::gathering(std::size_t n) const {
 std::vector<std::size_t> Report::done() const {
     const std::lock_guard lock(mutex_);
     std::vector<std::size_t> out;
-    for (std::size_t n = 0; n < shares_.size(); ++n) out.push_back(shares_[n].frames - shares_[n].runs + std::min(computed(n), shares_[n].runs));
+    for (std::size_t n = 0; n < shares_.size(); ++n)
+        out.push_back(shares_[n].frames - shares_[n].runs + std::min(computed(n), shares_[n].runs));
     return out;
 }
 
 void Report::failed(Fault fault) {
     const std::lock_guard lock(mutex_);
     // A run that begins again may meet the same failure again.
-    const auto same = [&](const Fault& known) { return known.node == fault.node && known.frame == fault.frame && known.message == fault.message; };
+    const auto same = [&](const Fault& known) {
+        return known.node == fault.node && known.frame == fault.frame &&
+               known.message == fault.message;
+    };
     if (std::none_of(faults_.begin(), faults_.end(), same)) faults_.push_back(std::move(fault));
 }
 
@@ -162,7 +171,8 @@ std::vector<std::string> Report::warnings() const {
 }
 
 std::string Report::line_of(std::size_t node, const std::string& message) const {
-    return fmt::format("{} ({}): {}", pipeline_.nodes[node].name, pipeline_.nodes[node].type->name, message);
+    return fmt::format("{} ({}): {}", pipeline_.nodes[node].name, pipeline_.nodes[node].type->name,
+                       message);
 }
 
 nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int exit_code) const {
@@ -175,22 +185,28 @@ nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int ex
              {"pipeline", pipeline_.name},
              {"frames", delivered},
              {"exit", exit_code},
-             {"wall_s", std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count()},
+             {"wall_s",
+              std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count()},
              {"peak_rss_bytes", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024},
              {"nodes", json::object()},
              {"seams", json::object()}};
     for (std::size_t n = 0; n < shares_.size(); ++n) {
         const auto& stats = stats_[n];
         const auto& share = shares_[n];
-        const auto cached = share.frames - std::max(share.runs, std::min(computed(n), share.frames));
-        if (share.frames == 0 || (cached == 0 && computed(n) == 0 && stats.taken.empty() && stats.once_s == 0)) continue;
+        const auto cached =
+            share.frames - std::max(share.runs, std::min(computed(n), share.frames));
+        if (share.frames == 0 ||
+            (cached == 0 && computed(n) == 0 && stats.taken.empty() && stats.once_s == 0))
+            continue;
         auto& node = out["nodes"][pipeline_.nodes[n].name];
         node = {{"type", pipeline_.nodes[n].type->name},
                 {"frames", cached + computed(n)},
                 {"cached", cached},
                 {"wall_s", stats.seconds()},
                 {"bytes", stats.most_bytes}};
-        if (stats.taken.size() + share.taken_kept > 0) node["taken"] = {{"frames", stats.taken.size() + share.taken_kept}, {"cached", share.taken_kept}};
+        if (stats.taken.size() + share.taken_kept > 0)
+            node["taken"] = {{"frames", stats.taken.size() + share.taken_kept},
+                             {"cached", share.taken_kept}};
     }
     for (const auto& [section, nodes] : entries_)
         for (const auto& [node, entry] : nodes) out[section][node] = in_order(entry);
@@ -201,7 +217,8 @@ nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int ex
         out["failures"].push_back(std::move(entry));
     }
     out["warnings"] = json::array();
-    for (const auto& [node, message] : warnings_) out["warnings"].push_back({{"node", pipeline_.nodes[node].name}, {"message", message}});
+    for (const auto& [node, message] : warnings_)
+        out["warnings"].push_back({{"node", pipeline_.nodes[node].name}, {"message", message}});
     return out;
 }
 

@@ -30,7 +30,8 @@ std::string to_text(const Fault& fault);
 /// How far a node is that gathers frames and has not finished.
 struct Gathering {
     std::size_t frames = 0, of_frames = 0;  ///< frames that it has taken, and that it needs
-    std::size_t items = 0, of_items = 0;    ///< items of its growing result (Growth) that are kept, and that it is to find; 0 of 0: unknown
+    std::size_t items = 0, of_items = 0;    ///< items of its growing result (Growth) that are kept,
+                                            ///< and that it is to find; 0 of 0: unknown
 };
 
 /// Collects what happens in a run. Thread-safe.
@@ -38,9 +39,12 @@ class Report {
 public:
     explicit Report(const Pipeline& pipeline);
 
-    /// Sets how much of each node the run will do. Called once, before the run starts. @param shares  one per node
+    /// Sets how much of each node the run will do. Called once, before the run starts.
+    /// @param shares  one per node
     void expect(std::vector<Share> shares);
-    /// A node computed the result of one frame. @param place  index in the sequence @param bytes  size of the result in memory
+    /// A node computed the result of one frame.
+    /// @param place  index in the sequence
+    /// @param bytes  size of the result in memory
     void ran(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
     /// A gatherer took one frame from its inputs.
     void took(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
@@ -48,14 +52,16 @@ public:
     void gathered(std::size_t node, std::size_t place);
     /// So many items of a growing result are kept. @param of  how many the node is to find
     void grew(std::size_t node, std::size_t items, std::size_t of);
-    /// The body of a node that runs once, or of a gatherer, has ended. @param good  whether it has finished, and did not fail or stop early
+    /// The body of a node that runs once, or of a gatherer, has ended.
+    /// @param good  whether it has finished, and did not fail or stop early
     void ended(std::size_t node, double seconds, std::uint64_t bytes, bool good);
     /// A node's result was loaded from the cache.
     void holds(std::size_t node, std::uint64_t bytes);
     void failed(Fault fault);
     /// @return the warning as a line of text; empty if it is known already
     std::string warn(std::size_t node, const std::string& message);
-    /// Adds a node's entry to a section. @param entry  a JSON object; entries of the same node are merged
+    /// Adds a node's entry to a section.
+    /// @param entry  a JSON object; entries of the same node are merged
     void entry(std::size_t node, const std::string& section, nlohmann::ordered_json entry);
     /// Adds a line to show at the end of the run, behind the node's name.
     void add_line(std::size_t node, const std::string& line);
@@ -69,10 +75,13 @@ public:
 
     std::vector<Fault> faults() const;  ///< sorted by frame, then by the pipeline's order of nodes
     std::vector<std::string> warnings() const;
-    const std::vector<std::string>& lines() const { return lines_; }  ///< only for use when no node is at work
+    const std::vector<std::string>& lines() const {
+        return lines_;
+    }  ///< only for use when no node is at work
     /// A node's entry in a section; null if there is none.
     nlohmann::ordered_json entry_of(std::size_t node, const std::string& section) const;
-    /// The content of the report file (pipelines/FORMATS.md). @param delivered  numbers of the delivered frames
+    /// The content of the report file (pipelines/FORMATS.md).
+    /// @param delivered  numbers of the delivered frames
     nlohmann::ordered_json to_json(const std::vector<int>& delivered, int exit_code) const;
 
 private:

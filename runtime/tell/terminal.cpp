@@ -26,7 +26,9 @@ bool told_as_events() { return as_events; }
 void tell_event(const std::string& text, const std::string& otherwise) {
     auto kind = otherwise;
     auto rest = text;
-    for (const auto& [word, name] : {std::pair<std::string, std::string>("failed: ", "failure"), {"warning: ", "warning"}, {"done: ", "done"}})
+    for (const auto& [word, name] : {std::pair<std::string, std::string>("failed: ", "failure"),
+                                     {"warning: ", "warning"},
+                                     {"done: ", "done"}})
         if (text.starts_with(word)) {
             kind = name;
             rest = text.substr(word.size());
@@ -41,7 +43,10 @@ void tell(const std::string& text) {
     if (as_events) return tell_event(text, "result");
     std::string line = text + "\n";
     if (coloured_terminal())
-        for (const auto& [word, colour] : {std::pair<std::string, const char*>("failed:", "\033[1;31m"), {"warning:", "\033[33m"}, {"done:", "\033[32m"}})
+        for (const auto& [word, colour] :
+             {std::pair<std::string, const char*>("failed:", "\033[1;31m"),
+              {"warning:", "\033[33m"},
+              {"done:", "\033[32m"}})
             if (text.starts_with(word)) line = colour + word + "\033[0m" + line.substr(word.size());
     std::fputs(line.c_str(), stderr);
 }

@@ -21,7 +21,9 @@ void bench_runs(const std::string& name) {
     Problems problems;
     const auto document =
         read_document(SOURCE_ROOT "/pipelines/" + name + ".yaml",
-                      {"out=" + (scratch / "out.####.vdb"), "seams=" + (scratch / "seams.vdb"), "sheet=" + (scratch / "sheet.png")}, problems);
+                      {"out=" + (scratch / "out.####.vdb"), "seams=" + (scratch / "seams.vdb"),
+                       "sheet=" + (scratch / "sheet.png")},
+                      problems);
     const auto pipeline = build_pipeline(document, registry, problems);
     if (!problems.empty()) throw std::runtime_error(to_text(problems));
     RunRequest request;
@@ -33,7 +35,8 @@ void bench_runs(const std::string& name) {
     const auto run = [&](bool cache, bool fresh) {
         request.options.cache = cache;
         if (fresh) std::filesystem::remove_all(request.options.work_folder);
-        if (run_pipeline(pipeline, registry, request, [] { return false; }) != exit_code::done) throw std::runtime_error(name + " failed");
+        if (run_pipeline(pipeline, registry, request, [] { return false; }) != exit_code::done)
+            throw std::runtime_error(name + " failed");
     };
     // By turns, so that whatever else the machine does meets both.
     std::vector<double> with, without;
@@ -47,7 +50,8 @@ void bench_runs(const std::string& name) {
     const double again = seconds(3, [&] { run(true, false); });
     std::sort(with.begin(), with.end());
     std::sort(without.begin(), without.end());
-    line(name + ".yaml: first run with cache / without", with[3] / without[3], fmt::format("{:.2f} s, {:.2f} s", with[3], without[3]), Better::lower);
+    line(name + ".yaml: first run with cache / without", with[3] / without[3],
+         fmt::format("{:.2f} s, {:.2f} s", with[3], without[3]), Better::lower);
     line(name + ".yaml: first run / second run", with[3] / again, fmt::format("{:.3f} s", again));
 }
 
@@ -58,7 +62,8 @@ void bench_hashing() {
     FileHashes files("");
     const double hash = seconds(5, [&] { files.anew(file); });
     const double read = seconds(5, [&] { Scratch::read(file); });
-    line("read a file / read and hash it", read / hash, fmt::format("{:.2f} GB/s", bytes / hash * 1e-9));
+    line("read a file / read and hash it", read / hash,
+         fmt::format("{:.2f} GB/s", bytes / hash * 1e-9));
 }
 
 }  // namespace

@@ -46,9 +46,12 @@ struct Given {
         Ref<Lattice> lattice;
     };
     static bool animates(const detail::NoParams&) {
-        return std::ranges::any_of(given, [](const auto& lattice) { return lattice->hash != given.front()->hash; });
+        return std::ranges::any_of(
+            given, [](const auto& lattice) { return lattice->hash != given.front()->hash; });
     }
-    static void run(const detail::NoParams&, Ports& io, Context& context) { io.lattice = given.at(context.place()); }
+    static void run(const detail::NoParams&, Ports& io, Context& context) {
+        io.lattice = given.at(context.place());
+    }
 };
 
 Registry registry_of_looks() {
@@ -57,7 +60,8 @@ Registry registry_of_looks() {
                 .input("before", &Record::Ports::before, "The input.")
                 .input("after", &Record::Ports::after, "The result.")
                 .input("lattice", &Record::Ports::lattice, "What was carved."));
-    out.add(Declare<Given>("look.lattice", "A lattice from elsewhere.").output("lattice", &Given::Ports::lattice, "The lattice."));
+    out.add(Declare<Given>("look.lattice", "A lattice from elsewhere.")
+                .output("lattice", &Given::Ports::lattice, "The lattice."));
     return out;
 }
 
@@ -75,7 +79,9 @@ void set(Value& map, const std::string& name, Value value) {
     else map.fields.push_back({name, map.mark, std::move(value)});
 }
 
-void set(Value& map, const std::string& name, const std::string& text) { set(map, name, text_value(text, map.mark)); }
+void set(Value& map, const std::string& name, const std::string& text) {
+    set(map, name, text_value(text, map.mark));
+}
 
 Value& node_of(Document& document, const std::string& name) {
     auto* const field = document.nodes.find(name);
@@ -85,22 +91,27 @@ Value& node_of(Document& document, const std::string& name) {
 
 const std::string& text_of(Value& node, const std::string& field) {
     const auto* const found = node.find(field);
-    if (!found) throw std::runtime_error(fmt::format("a node without '{}' where one is looked for", field));
+    if (!found)
+        throw std::runtime_error(fmt::format("a node without '{}' where one is looked for", field));
     return found->value.text;
 }
 
-Document document_of(const Shot& shot, const std::string& input, const std::string& count, const std::string& out) {
+Document document_of(const Shot& shot, const std::string& input, const std::string& count,
+                     const std::string& out) {
     std::vector<std::string> settings{shot.scene.input + "=" + input, "count=" + count};
     if (!out.empty()) settings.push_back("out=" + out);
-    if (shot.range) settings.push_back(fmt::format("frames={}-{}", shot.range->first, shot.range->second));
+    if (shot.range)
+        settings.push_back(fmt::format("frames={}-{}", shot.range->first, shot.range->second));
     Problems problems;
-    auto document = read_document(fmt::format("{}/pipelines/{}.yaml", SOURCE_ROOT, shot.scene.pipeline), settings, problems);
+    auto document = read_document(
+        fmt::format("{}/pipelines/{}.yaml", SOURCE_ROOT, shot.scene.pipeline), settings, problems);
     if (!problems.empty()) throw std::runtime_error(to_text(problems));
     return document;
 }
 
 /// Runs a document up to one of its nodes.
-void run(const Document& document, const Registry& registry, const std::string& to, const Scratch& scratch) {
+void run(const Document& document, const Registry& registry, const std::string& to,
+         const Scratch& scratch) {
     Problems problems;
     const auto pipeline = build_pipeline(document, registry, problems);
     if (!problems.empty()) throw std::runtime_error(to_text(problems));
@@ -112,11 +123,13 @@ void run(const Document& document, const Registry& registry, const std::string& 
     request.options.cache = false;
     request.wish.to = to;
     request.quiet = true;
-    if (run_pipeline(pipeline, registry, request, [] { return false; }) != exit_code::done) throw std::runtime_error(document.name + " failed");
+    if (run_pipeline(pipeline, registry, request, [] { return false; }) != exit_code::done)
+        throw std::runtime_error(document.name + " failed");
 }
 
 /// Runs a document up to its carve, and keeps what that made.
-Carved record(Document document, const Registry& registry, const std::string& input, const Scratch& scratch) {
+Carved record(Document document, const Registry& registry, const std::string& input,
+              const Scratch& scratch) {
     recorded = {};
     Value node;
     node.mark = document.mark;
@@ -135,7 +148,8 @@ std::optional<std::array<double, 4>> windows_of(Document& document) {
     const auto *const window = seams.find("window"), *const pair = seams.find("pair_window");
     if (!window || !pair) return std::nullopt;
     const auto number = [](const Value& value) { return std::stod(value.text); };
-    return std::array{number(window->value.items.at(0)), number(window->value.items.at(1)), number(pair->value.items.at(0)), number(pair->value.items.at(1))};
+    return std::array{number(window->value.items.at(0)), number(window->value.items.at(1)),
+                      number(pair->value.items.at(0)), number(pair->value.items.at(1))};
 }
 
 Value list_value(const std::vector<std::string>& texts, const Mark& mark) {
@@ -146,8 +160,8 @@ Value list_value(const std::vector<std::string>& texts, const Mark& mark) {
     return out;
 }
 
-/// Gives empty space a price by a mask over the energy, as the paper's pipelines do, where the shipped solver's own (`empty`) does:
-/// without one, all seams would pass beside the smoke.
+/// Gives empty space a price by a mask over the energy, as the paper's pipelines do, where the
+/// shipped solver's own (`empty`) does: without one, all seams would pass beside the smoke.
 /// @param field  what is looked at
 /// @param seams  the solver, which gets the new energy
 void price_empty_space(Document& document, Value& seams, const std::string& field) {
@@ -168,17 +182,22 @@ void price_empty_space(Document& document, Value& seams, const std::string& fiel
 
 /// Takes away what a node's type does not have.
 void keep_what_is_of(const NodeType& type, Value& node) {
-    std::erase_if(node.fields,
-                  [&](const Value::Field& field) { return !find_field(common_fields, field.name) && !type.input(field.name) && !type.param(field.name); });
+    std::erase_if(node.fields, [&](const Value::Field& field) {
+        return !find_field(common_fields, field.name) && !type.input(field.name) &&
+               !type.param(field.name);
+    });
 }
 
-/// Gives each solver and each carve the settings of classical seam carving, of those that its type has.
+/// Gives each solver and each carve the settings of classical seam carving, of those that its type
+/// has.
 void make_classical(Document& document, const Registry& registry) {
     auto& seams = node_of(document, "seams");
     set(seams, "type", "seam.greedy");
     const auto* const field = seams.find("field");
     const auto seen = field ? field->value.text : std::string();
-    std::erase_if(seams.fields, [&](const Value::Field& field) { return field.name == "field" || field.name == "field_weight" || field.name == "empty"; });
+    std::erase_if(seams.fields, [&](const Value::Field& field) {
+        return field.name == "field" || field.name == "field_weight" || field.name == "empty";
+    });
     keep_what_is_of(*registry.node("seam.greedy"), seams);
     if (!seen.empty()) price_empty_space(document, node_of(document, "seams"), seen);
     for (auto& [name, mark, node] : document.nodes.fields) {
@@ -186,12 +205,14 @@ void make_classical(Document& document, const Registry& registry) {
         const auto* const known = registry.node(type);
         if (!known || !(type.starts_with("seam.") || type.starts_with("remap."))) continue;
         for (const auto& [param, value] :
-             {std::pair("cost", "backward"), std::pair("rigidity", "0"), std::pair("rigidity_time", "0"), std::pair("spread", "0"), std::pair("soft", "0")})
+             {std::pair("cost", "backward"), std::pair("rigidity", "0"),
+              std::pair("rigidity_time", "0"), std::pair("spread", "0"), std::pair("soft", "0")})
             if (known->param(param)) set(node, param, value);
     }
 }
 
-/// Windows after the first seams: they, and the space between them, are as large as those left them.
+/// Windows after the first seams: they, and the space between them, are as large as those left
+/// them.
 void move_windows(Value& seams, int grown) {
     const auto shift = [&](const char* name, std::size_t end) {
         if (auto* const window = seams.find(name); window && window->value.items.size() == 2) {
@@ -244,14 +265,17 @@ public:
             for (const auto& grid : volume.grids) names.push_back(grid->getName());
         for (const auto& name : names) {
             const auto grid = openvdb::GridBase::grid<FloatGrid>(volume.find(name));
-            if (!grid) throw std::runtime_error(fmt::format("{} has no grid '{}' of floats", scene.pipeline, name));
+            if (!grid)
+                throw std::runtime_error(
+                    fmt::format("{} has no grid '{}' of floats", scene.pipeline, name));
             grids_.push_back(grid);
         }
     }
     /// The mean of the grids at a world position, trilinear.
     float operator()(const Vec3d& world) const {
         float sum = 0;
-        for (const auto& grid : grids_) sum += openvdb::tools::BoxSampler::sample(grid->tree(), grid->worldToIndex(world));
+        for (const auto& grid : grids_)
+            sum += openvdb::tools::BoxSampler::sample(grid->tree(), grid->worldToIndex(world));
         return sum / static_cast<float>(grids_.size());
     }
 
@@ -260,17 +284,20 @@ private:
 };
 
 /// @param first  along u
-Samples sampled(const Scene& scene, const std::vector<Ref<Volume>>& volumes, const std::vector<Ref<Lattice>>& lattices, int first, int width) {
+Samples sampled(const Scene& scene, const std::vector<Ref<Volume>>& volumes,
+                const std::vector<Ref<Lattice>>& lattices, int first, int width) {
     const auto& lattice = *lattices.at(0);
-    const auto laterals = static_cast<std::size_t>(lattice.shape[1]), slices = static_cast<std::size_t>(lattice.shape[2]);
-    Samples out(volumes.size(), {static_cast<std::size_t>(width), laterals, slices}, lattice.closed, lattice.around);
+    const auto laterals = static_cast<std::size_t>(lattice.shape[1]),
+               slices = static_cast<std::size_t>(lattice.shape[2]);
+    Samples out(volumes.size(), {static_cast<std::size_t>(width), laterals, slices}, lattice.closed,
+                lattice.around);
     for (std::size_t t = 0; t < volumes.size(); ++t) {
         const Sampler value(scene, *volumes[t]);
         tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t k) {
             for (std::size_t j = 0; j < laterals; ++j)
                 for (int i = 0; i < width; ++i)
-                    out.row(j + laterals * (k + slices * t))[i] =
-                        value(lattices[t]->position(Vec3d(first + i, static_cast<double>(j), static_cast<double>(k))));
+                    out.row(j + laterals * (k + slices * t))[i] = value(lattices[t]->position(
+                        Vec3d(first + i, static_cast<double>(j), static_cast<double>(k))));
         });
     }
     return out;
@@ -287,23 +314,31 @@ std::vector<Shot> find_shots(const Scene& scene, const std::string& folder) {
     const auto path = fs::absolute(folder) / scene.files;
     const auto name = path.filename().string();
     if (name.find('#') == name.npos && name != "*")
-        return fs::exists(path) ? std::vector{Shot{scene, scene.pipeline, path.string(), std::nullopt}} : std::vector<Shot>{};
+        return fs::exists(path)
+                   ? std::vector{Shot{scene, scene.pipeline, path.string(), std::nullopt}}
+                   : std::vector<Shot>{};
     std::error_code missing;
     std::vector<std::string> files;
-    for (const auto& entry : fs::directory_iterator(path.parent_path(), missing)) files.push_back(entry.path().filename().string());
+    for (const auto& entry : fs::directory_iterator(path.parent_path(), missing))
+        files.push_back(entry.path().filename().string());
     std::ranges::sort(files);
     std::vector<Shot> out;
     if (name == "*") {
         for (const auto& file : files)
             if (const auto kind = fs::path(file).extension(); kind == ".png" || kind == ".jpg")
-                out.push_back({scene, fmt::format("{} {}", scene.pipeline, fs::path(file).stem().string()), path.parent_path() / file, std::nullopt});
+                out.push_back({scene,
+                               fmt::format("{} {}", scene.pipeline, fs::path(file).stem().string()),
+                               path.parent_path() / file, std::nullopt});
         return out;
     }
     const auto token = name.find("####");
     for (const auto& file : files) {
-        if (file.size() != name.size() || !file.starts_with(name.substr(0, token)) || !file.ends_with(name.substr(token + 4))) continue;
+        if (file.size() != name.size() || !file.starts_with(name.substr(0, token)) ||
+            !file.ends_with(name.substr(token + 4)))
+            continue;
         const int frame = std::atoi(file.c_str() + token);
-        if (out.empty()) out.push_back({scene, scene.pipeline, path.string(), std::pair(frame, frame)});
+        if (out.empty())
+            out.push_back({scene, scene.pipeline, path.string(), std::pair(frame, frame)});
         out.front().range->second = frame;
     }
     return out;
@@ -323,7 +358,8 @@ Carved carve_as_paper(const Shot& shot, int count, const std::vector<Ref<Lattice
     const int step = count < 0 ? -1 : count;
     auto from = shot.files;
     for (int done = 0;; done += step) {
-        const auto to = scratch / (done % 2 == 0 ? "even" : "odd") + (shot.range ? ".####.vdb" : ".png");
+        const auto to =
+            scratch / (done % 2 == 0 ? "even" : "odd") + (shot.range ? ".####.vdb" : ".png");
         auto document = document_of(shot, from, std::to_string(step), to);
         give_what_is_left(document, lattices, done);
         make_classical(document, registry);
@@ -366,7 +402,8 @@ std::optional<Carved> carve_by_both(const Shot& shot, const std::string& count) 
     // A window would count what the seams leave.
     std::erase_if(rest.fields, [](const Value::Field& each) { return each.name == "window"; });
     keep_what_is_of(*registry.node("warp.solve"), rest);
-    set(node_of(document, "carved"), "seams", list_value({"look_chosen", "look_rest"}, document.mark));
+    set(node_of(document, "carved"), "seams",
+        list_value({"look_chosen", "look_rest"}, document.mark));
     set(document.nodes, "look_chosen", std::move(chosen));
     set(document.nodes, "look_rest", std::move(rest));
     return record(std::move(document), registry, shot.scene.input, scratch);
@@ -374,7 +411,9 @@ std::optional<Carved> carve_by_both(const Shot& shot, const std::string& count) 
 
 Carved scale_evenly(const Shot& shot, double amount) {
     return carve_otherwise(shot, [&](Value& seams) {
-        std::erase_if(seams.fields, [](const Value::Field& field) { return field.name != "energy" && field.name != "lattice" && field.name != "anchor"; });
+        std::erase_if(seams.fields, [](const Value::Field& field) {
+            return field.name != "energy" && field.name != "lattice" && field.name != "anchor";
+        });
         set(seams, "type", "warp.solve");
         set(seams, "amount", fmt::format("{:.6f}", amount));
         // So even that neither energies nor edges count.
@@ -383,14 +422,17 @@ Carved scale_evenly(const Shot& shot, double amount) {
     });
 }
 
-Samples samples_before(const Scene& scene, const Carved& carved) { return sampled(scene, carved.before, carved.lattices, 0, carved.lattices.at(0)->shape[0]); }
+Samples samples_before(const Scene& scene, const Carved& carved) {
+    return sampled(scene, carved.before, carved.lattices, 0, carved.lattices.at(0)->shape[0]);
+}
 
 Samples samples_after(const Scene& scene, const Carved& carved, int grown) {
     // Around a rig there is nothing before the low end.
     const auto& lattice = *carved.lattices.at(0);
     const int before = lattice.shape[0], low = lattice.around ? 0 : std::min(0, -grown);
     const auto width = static_cast<std::size_t>(before + grown);
-    const auto wide = sampled(scene, carved.after, carved.lattices, low, before + std::max(0, grown) - low);
+    const auto wide =
+        sampled(scene, carved.after, carved.lattices, low, before + std::max(0, grown) - low);
     std::vector<double> along(wide.shape[0]);
     for (std::size_t r = 0; r < wide.rows(); ++r)
         for (std::size_t i = 0; i < along.size(); ++i) along[i] += wide.row(r)[i];

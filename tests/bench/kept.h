@@ -19,7 +19,9 @@ struct Figure {
 std::vector<Figure> read_kept(const std::string& path);
 
 /// Writes the page. Figures of `now` replace those of the same name in `kept`; the others stay.
-void write_kept(const std::string& path, const std::vector<Figure>& kept, const std::vector<Figure>& now);
+void write_kept(const std::string& path, const std::vector<Figure>& kept,
+                const std::vector<Figure>& now);
 
 /// A line for each figure that is worse than the kept one of the same name by more than a tenth.
-std::vector<std::string> worse_than_kept(const std::vector<Figure>& kept, const std::vector<Figure>& now);
+std::vector<std::string> worse_than_kept(const std::vector<Figure>& kept,
+                                         const std::vector<Figure>& now);

@@ -1,9 +1,12 @@
 // How carved sequences look, scene by scene, beside the same sequences scaled evenly.
 //
-//   build/look [--no-loop] [--scene NAME]... [FOLDER] [OUT]    all shipped scenes on plume/, vortex/, bonfire/, torch/, trail/ and images/ of the
-//                                                              folder (tests/data): OUT.md and OUT.png (out/look)
+//   build/look [--no-loop] [--scene NAME]... [FOLDER] [OUT]
+//       all shipped scenes on plume/, vortex/, bonfire/, torch/, trail/ and images/ of the
+//                                                              folder (tests/data): OUT.md and
+//                                                              OUT.png (out/look)
 //
-// --scene NAME: only this pipeline; --no-loop: without the paper's method, which takes most of the time.
+// --scene NAME: only this pipeline; --no-loop: without the paper's method, which takes most of the
+// time.
 
 #include "graph/types/param.h"
 #include "tests/bench/carved.h"
@@ -36,36 +39,49 @@ const std::vector<Scene> scenes{
 
 constexpr auto about =
     "- shipped: the pipeline as it is.\n"
-    "- the paper's: the same energy carved by the paper's method. Empty space gets a price by a mask (0.5, content 0.3 more than its energy). Multi-greedy "
+    "- the paper's: the same energy carved by the paper's method. Empty space gets a price by a "
+    "mask (0.5, content 0.3 more than its energy). Multi-greedy "
     "seams pay backward costs, whole vertices move. To narrow, each seam is carved "
-    "from the files that the one before left; to widen, all are found at once, since a loop would double the same seam again and again.\n"
+    "from the files that the one before left; to widen, all are found at once, since a loop would "
+    "double the same seam again and again.\n"
     "- warp: the shipped pipeline with warp.solve in place of its solver.\n"
     "- both: as many of the shipped seams as seams.choose keeps, and a warp for the rest.\n"
     "- liblqr's: images carved by liblqr as it comes.\n"
     "\n"
-    "Each figure is a share: below 1 is better than even scaling to the same visible width. Even scaling is done by the shipped pipeline, too, with a warp of "
+    "Each figure is a share: below 1 is better than even scaling to the same visible width. Even "
+    "scaling is done by the shipped pipeline, too, with a warp of "
     "even weights. Samples stand at the lattice's vertices.\n"
     "\n"
-    "- coherence: what is in the result comes from the input. Root mean square distance from each patch of the result to the nearest patch of the input; "
+    "- coherence: what is in the result comes from the input. Root mean square distance from each "
+    "patch of the result to the nearest patch of the input; "
     "patches of 5, 9 and 15 vertices.\n"
     "- completeness: what is in the input is in the result. The other way round.\n"
     "- time: coherence of patches of 7 vertices that last 5 frames; only of 5 frames or more.\n"
     "- mean, worst: of all figures before.\n"
-    "- flicker: second difference in time per mass, as a share of the input's own; only of 3 frames or more.\n"
+    "- flicker: second difference in time per mass, as a share of the input's own; only of 3 "
+    "frames or more.\n"
     "- jagged: second difference along the carved axis per mass, as a share of the input's own.\n"
     "- mass: the sum of all samples, as a share of even scaling's.\n"
-    "- resized: by how much what is visible became narrower or wider, as a share of what scaling all of the lattice would do. A carve that takes only "
+    "- resized: by how much what is visible became narrower or wider, as a share of what scaling "
+    "all of the lattice would do. A carve that takes only "
     "empty space looks perfect and resizes nothing.\n"
-    "- form: how much of the shape of details is kept. 1: they are as long along the carved axis, by their correlation, relative to the other axes, as "
+    "- form: how much of the shape of details is kept. 1: they are as long along the carved axis, "
+    "by their correlation, relative to the other axes, as "
     "before; 0: they changed as much as under even scaling.\n"
-    "- repeated: patches of 7 vertices that have their like beside them, as a share of those under even scaling. A comb of copies has many.\n"
-    "- lost: patches of 9 vertices of the input that have nothing near to them in the result, as a share of those under even scaling. A crop has many.\n"
+    "- repeated: patches of 7 vertices that have their like beside them, as a share of those under "
+    "even scaling. A comb of copies has many.\n"
+    "- lost: patches of 9 vertices of the input that have nothing near to them in the result, as a "
+    "share of those under even scaling. A crop has many.\n"
     "\n"
-    "Visible is what exceeds 0.02 of the value that one sample in a thousand exceeds. Where seams come in pairs the lattice keeps its size: even scaling then "
-    "stretches one window evenly and presses the other together, and nothing is resized. `river` is not measured: its paper method would need particles, "
+    "Visible is what exceeds 0.02 of the value that one sample in a thousand exceeds. Where seams "
+    "come in pairs the lattice keeps its size: even scaling then "
+    "stretches one window evenly and presses the other together, and nothing is resized. `river` "
+    "is not measured: its paper method would need particles, "
     "surface and banks to be carved and read again for each seam.\n";
 
-std::string number(const std::optional<double>& value) { return value && std::isfinite(*value) ? fmt::format("{:.2f}", *value) : "-"; }
+std::string number(const std::optional<double>& value) {
+    return value && std::isfinite(*value) ? fmt::format("{:.2f}", *value) : "-";
+}
 
 std::string numbers(const std::vector<double>& values) {
     std::vector<std::string> out;
@@ -81,7 +97,9 @@ public:
         sum_ += *value;
         ++count_;
     }
-    std::optional<double> value() const { return count_ > 0 ? std::optional(sum_ / count_) : std::nullopt; }
+    std::optional<double> value() const {
+        return count_ > 0 ? std::optional(sum_ / count_) : std::nullopt;
+    }
 
 private:
     double sum_ = 0;
@@ -92,17 +110,23 @@ class Table {
 public:
     explicit Table(const std::string& path) : page_(path) {
         page_ << "# How carves look beside even scaling\n\n" << about << "\n";
-        page_ << "| scene | count | | coherence | completeness | time | mean | worst | flicker | jagged | mass | resized | form | repeated | lost |\n"
+        page_ << "| scene | count | | coherence | completeness | time | mean | worst | flicker | "
+                 "jagged | mass | resized | form | repeated | lost |\n"
                  "|---|--:|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n";
-        print("scene", "count", "", "coherence", "completeness", "time", "mean", "worst", "flicker", "jagged", "mass", "resized", "form", "repeated", "lost");
+        print("scene", "count", "", "coherence", "completeness", "time", "mean", "worst", "flicker",
+              "jagged", "mass", "resized", "form", "repeated", "lost");
     }
 
-    void add(const std::string& scene, int count, const std::string& contender, const Looks& looks) {
+    void add(const std::string& scene, int count, const std::string& contender,
+             const Looks& looks) {
         const std::vector<double> space(looks.coherence.begin(), looks.coherence.begin() + 3);
-        const auto time = looks.coherence.size() > 3 ? std::optional(looks.coherence[3]) : std::nullopt;
-        const Figures figures{time,       looks.mean(),  looks.worst(), looks.flicker,  looks.jagged,
-                              looks.mass, looks.resized, looks.form,    looks.repeated, looks.lost};
-        row(scene, fmt::format("{:+}", count), contender, numbers(space), numbers(looks.completeness), figures);
+        const auto time =
+            looks.coherence.size() > 3 ? std::optional(looks.coherence[3]) : std::nullopt;
+        const Figures figures{time,           looks.mean(), looks.worst(), looks.flicker,
+                              looks.jagged,   looks.mass,   looks.resized, looks.form,
+                              looks.repeated, looks.lost};
+        row(scene, fmt::format("{:+}", count), contender, numbers(space),
+            numbers(looks.completeness), figures);
         auto means = std::ranges::find(means_, contender, &Means::contender);
         if (means == means_.end()) means = means_.insert(means_.end(), {contender, {}});
         for (std::size_t n = 0; n < figures.size(); ++n) means->figures[n].add(figures[n]);
@@ -124,15 +148,24 @@ private:
 
     template <class... Texts>
     static void print(const Texts&... texts) {
-        fmt::print("{:<17} {:>5} {:<16} {:<15} {:<15} {:>5} {:>5} {:>5} {:>7} {:>6} {:>5} {:>7} {:>5} {:>8} {:>5}\n", texts...);
+        fmt::print(
+            "{:<17} {:>5} {:<16} {:<15} {:<15} {:>5} {:>5} {:>5} {:>7} {:>6} {:>5} {:>7} {:>5} "
+            "{:>8} {:>5}\n",
+            texts...);
         std::fflush(stdout);
     }
-    void row(const std::string& scene, const std::string& count, const std::string& contender, const std::string& coherence, const std::string& completeness,
+    void row(const std::string& scene, const std::string& count, const std::string& contender,
+             const std::string& coherence, const std::string& completeness,
              const Figures& figures) {
         std::array<std::string, count_of_figures> texts;
         std::ranges::transform(figures, texts.begin(), number);
-        page_ << fmt::format("| {} | {} | {} | {} | {} | {} |\n", scene, count, contender, coherence, completeness, fmt::join(texts, " | "));
-        std::apply([&](const auto&... text) { print(scene, count, contender, coherence, completeness, text...); }, texts);
+        page_ << fmt::format("| {} | {} | {} | {} | {} | {} |\n", scene, count, contender,
+                             coherence, completeness, fmt::join(texts, " | "));
+        std::apply(
+            [&](const auto&... text) {
+                print(scene, count, contender, coherence, completeness, text...);
+            },
+            texts);
     }
 
     struct Means {
@@ -144,16 +177,23 @@ private:
 };
 
 /// @param width  vertices along u
-int count_of(const std::string& stated, int width) { return fluidcarve::Count{std::stod(stated), stated.ends_with('%')}.of(width); }
+int count_of(const std::string& stated, int width) {
+    return fluidcarve::Count{std::stod(stated), stated.ends_with('%')}.of(width);
+}
 
 /// Even scaling until as much is visible along u as in a result.
 Samples even_until(const Shot& shot, double wanted, const Samples& source) {
     const float visible = visible_from(source);
-    const double before = visible_width(source, visible), most = static_cast<double>(source.shape[0]) - 2;
-    const auto scaled = [&](double amount) { return samples_after(shot.scene, scale_evenly(shot, amount), static_cast<int>(std::ceil(amount))); };
+    const double before = visible_width(source, visible),
+                 most = static_cast<double>(source.shape[0]) - 2;
+    const auto scaled = [&](double amount) {
+        return samples_after(shot.scene, scale_evenly(shot, amount),
+                             static_cast<int>(std::ceil(amount)));
+    };
     double amount = (wanted / before - 1) * static_cast<double>(source.shape[0] - 1);
     auto out = scaled(amount);
-    // What is thin fades as it is pressed together, and a rim holds what is near it: so the width is no exact share of the amount.
+    // What is thin fades as it is pressed together, and a rim holds what is near it: so the width
+    // is no exact share of the amount.
     constexpr int most_steps = 6;
     constexpr double close = 0.02;  // vertices
     for (int step = 0; step < most_steps; ++step) {
@@ -165,16 +205,19 @@ Samples even_until(const Shot& shot, double wanted, const Samples& source) {
     return out;
 }
 
-/// Even scaling to the visible width of a result. Of seam pairs: the first window evenly stretched to its new size, the second
-/// to what is left for it.
-Samples even_for(const Shot& shot, const Samples& result, const Samples& source, const Carved& carved, int count) {
-    if (!carved.windows) return even_until(shot, visible_width(result, visible_from(source)), source);
+/// Even scaling to the visible width of a result. Of seam pairs: the first window evenly stretched
+/// to its new size, the second to what is left for it.
+Samples even_for(const Shot& shot, const Samples& result, const Samples& source,
+                 const Carved& carved, int count) {
+    if (!carved.windows)
+        return even_until(shot, visible_width(result, visible_from(source)), source);
     const auto [first, last, pair_first, pair_last] = *carved.windows;
     return stretched(source, source.shape[0], [=](double i) {
         if (i <= first || i >= pair_last) return i;
         if (i <= last + count) return first + (i - first) * (last - first) / (last - first + count);
         if (i <= pair_first + count) return i - count;
-        return pair_last - (pair_last - i) * (pair_last - pair_first) / (pair_last - pair_first - count);
+        return pair_last -
+               (pair_last - i) * (pair_last - pair_first) / (pair_last - pair_first - count);
     });
 }
 
@@ -183,7 +226,8 @@ LookRow measure(const Shot& shot, const std::string& stated, bool loop, Table& t
     const auto& scene = shot.scene;
     const auto shipped = carve_as_shipped(shot, stated);
     const auto source = samples_before(scene, shipped);
-    const int count = count_of(stated, static_cast<int>(source.shape[0])), grown = shipped.windows ? 0 : count;
+    const int count = count_of(stated, static_cast<int>(source.shape[0])),
+              grown = shipped.windows ? 0 : count;
     LookRow out{fmt::format("{}, {:+}", shot.name, count), {middle_frame(source)}, {"before"}};
     const auto add = [&](const std::string& contender, const Samples& result) {
         const auto even = even_for(shot, result, source, shipped, count);
@@ -192,24 +236,32 @@ LookRow measure(const Shot& shot, const std::string& stated, bool loop, Table& t
         out.names.push_back(contender);
         return middle_frame(even);
     };
-    if (loop) add("the paper's", samples_after(scene, carve_as_paper(shot, count, shipped.lattices), grown));
-    if (scene.pipeline == "image") add("liblqr's", carve_by_lqr(source, source.shape[0] + static_cast<std::size_t>(grown)));
+    if (loop)
+        add("the paper's",
+            samples_after(scene, carve_as_paper(shot, count, shipped.lattices), grown));
+    if (scene.pipeline == "image")
+        add("liblqr's", carve_by_lqr(source, source.shape[0] + static_cast<std::size_t>(grown)));
     add("warp", samples_after(scene, carve_by_warp(shot, stated), grown));
-    if (const auto both = carve_by_both(shot, stated)) add("both", samples_after(scene, *both, grown));
+    if (const auto both = carve_by_both(shot, stated))
+        add("both", samples_after(scene, *both, grown));
     const auto even = add("shipped", samples_after(scene, shipped, grown));
     out.samples.insert(out.samples.begin() + 1, even);
     out.names.insert(out.names.begin() + 1, "scaled evenly");
     return out;
 }
 
-void look(const std::vector<std::string>& wanted, bool loop, const std::string& folder, const std::string& out) {
-    if (const auto above = std::filesystem::path(out).parent_path(); !above.empty()) std::filesystem::create_directories(above);
+void look(const std::vector<std::string>& wanted, bool loop, const std::string& folder,
+          const std::string& out) {
+    if (const auto above = std::filesystem::path(out).parent_path(); !above.empty())
+        std::filesystem::create_directories(above);
     Table table(out + ".md");
     std::vector<LookRow> rows;
     for (const auto& scene : scenes) {
         if (!wanted.empty() && std::ranges::find(wanted, scene.pipeline) == wanted.end()) continue;
         const auto shots = find_shots(scene, folder);
-        if (shots.empty()) fmt::print(stderr, "{} is left out: there is no {} in {}\n", scene.pipeline, scene.files, folder);
+        if (shots.empty())
+            fmt::print(stderr, "{} is left out: there is no {} in {}\n", scene.pipeline,
+                       scene.files, folder);
         for (const auto& shot : shots)
             for (const auto* const count : scene.counts) {
                 auto row = measure(shot, count, loop, table);
@@ -229,20 +281,26 @@ int main(int argc, char** argv) {
     openvdb::initialize();
     std::vector<std::string> words(argv + 1, argv + argc), wanted;
     const bool loop = std::erase(words, "--no-loop") == 0;
-    for (auto at = words.begin(); (at = std::find(at, words.end(), "--scene")) != words.end() && at + 1 != words.end();) {
+    for (auto at = words.begin();
+         (at = std::find(at, words.end(), "--scene")) != words.end() && at + 1 != words.end();) {
         wanted.push_back(at[1]);
         at = words.erase(at, at + 2);
     }
-    const auto known = [](const std::string& name) { return std::ranges::find(scenes, name, &Scene::pipeline) != scenes.end(); };
-    const bool option_left = std::ranges::any_of(words, [](const std::string& word) { return word.starts_with("-"); });
+    const auto known = [](const std::string& name) {
+        return std::ranges::find(scenes, name, &Scene::pipeline) != scenes.end();
+    };
+    const bool option_left =
+        std::ranges::any_of(words, [](const std::string& word) { return word.starts_with("-"); });
     if (words.size() > 2 || option_left || !std::ranges::all_of(wanted, known)) {
         std::vector<std::string> names;
         std::ranges::transform(scenes, std::back_inserter(names), &Scene::pipeline);
-        fmt::print(stderr, "look [--no-loop] [--scene NAME]... [FOLDER] [OUT]\nscenes: {}\n", fmt::join(names, ", "));
+        fmt::print(stderr, "look [--no-loop] [--scene NAME]... [FOLDER] [OUT]\nscenes: {}\n",
+                   fmt::join(names, ", "));
         return 2;
     }
     try {
-        look(wanted, loop, words.empty() ? SOURCE_ROOT "/tests/data" : words[0], words.size() < 2 ? "out/look" : words[1]);
+        look(wanted, loop, words.empty() ? SOURCE_ROOT "/tests/data" : words[0],
+             words.size() < 2 ? "out/look" : words[1]);
     } catch (const std::exception& failure) {
         fmt::print(stderr, "{}\n", failure.what());
         return 1;

@@ -9,10 +9,13 @@ using namespace fluidcarve;
 
 namespace {
 
-constexpr double largest = 300, least_width = 90, margin = 16, title_height = 26, caption_height = 18;  ///< pixels
+constexpr double largest = 300, least_width = 90, margin = 16, title_height = 26,
+                 caption_height = 18;  ///< pixels
 constexpr Colour paper{255, 255, 255}, ink{30, 30, 30};
 
-std::uint8_t byte(double value) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0, 1.0))); }
+std::uint8_t byte(double value) {
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0, 1.0)));
+}
 
 /// A single layer as it is.
 Picture layer(const Samples& samples, double white, std::size_t height) {
@@ -25,7 +28,8 @@ Picture layer(const Samples& samples, double white, std::size_t height) {
     return out;
 }
 
-/// A volume seen along v in light that falls along w from above: both are dimmed by what they have passed.
+/// A volume seen along v in light that falls along w from above: both are dimmed by what they have
+/// passed.
 Picture lit(const Samples& samples, double dense) {
     constexpr double dimming = 0.25, shadow = 0.25, ambient = 0.15, sky = 0.12;
     const auto [width, depth, height] = samples.shape;
@@ -35,7 +39,8 @@ Picture lit(const Samples& samples, double dense) {
         for (std::size_t i = 0; i < width; ++i) {
             double through = 1, seen = 0;
             for (std::size_t j = 0; j < depth; ++j) {
-                const double there = std::max(0.0f, samples.row(j + depth * k)[i]) / dense, passed = through * std::exp(-dimming * there);
+                const double there = std::max(0.0f, samples.row(j + depth * k)[i]) / dense,
+                             passed = through * std::exp(-dimming * there);
                 auto& from_above = light[j * width + i];
                 seen += (through - passed) * (ambient + (1 - ambient) * from_above);
                 from_above *= std::exp(-shadow * there);
@@ -49,14 +54,17 @@ Picture lit(const Samples& samples, double dense) {
 
 Picture picture_of(const Samples& samples, double dense) {
     const auto [width, laterals, slices] = samples.shape;
-    return std::min(laterals, slices) == 1 ? layer(samples, dense, std::max(laterals, slices)) : lit(samples, dense);
+    return std::min(laterals, slices) == 1 ? layer(samples, dense, std::max(laterals, slices))
+                                           : lit(samples, dense);
 }
 
 struct DrawnRow {
     std::vector<Picture> pictures;
     double scale = 1, width = margin, height = 0;  ///< pixels
 
-    double step(const Picture& picture) const { return std::max(least_width, scale * picture.width) + margin; }
+    double step(const Picture& picture) const {
+        return std::max(least_width, scale * picture.width) + margin;
+    }
 };
 
 DrawnRow drawn(const LookRow& row) {
@@ -75,7 +83,8 @@ DrawnRow drawn(const LookRow& row) {
 Samples middle_frame(const Samples& samples) {
     Samples out(1, samples.shape, samples.closed, samples.around);
     const auto size = out.values.size();
-    std::copy_n(samples.values.begin() + static_cast<std::ptrdiff_t>(size * (samples.frames / 2)), size, out.values.begin());
+    std::copy_n(samples.values.begin() + static_cast<std::ptrdiff_t>(size * (samples.frames / 2)),
+                size, out.values.begin());
     return out;
 }
 
@@ -94,7 +103,8 @@ void draw_looks(const std::vector<LookRow>& rows, const std::string& path) {
         canvas.text(x, y + 12, rows[r].title, {14, true, ink});
         for (std::size_t n = 0; n < all[r].pictures.size(); ++n) {
             const auto& picture = all[r].pictures[n];
-            const Canvas::Rect place{x, y + title_height, all[r].scale * picture.width, all[r].scale * picture.height};
+            const Canvas::Rect place{x, y + title_height, all[r].scale * picture.width,
+                                     all[r].scale * picture.height};
             canvas.picture(place, picture);
             canvas.text(x, place.y + place.height + 14, rows[r].names[n], {12, false, ink});
             x += all[r].step(picture);

@@ -15,7 +15,7 @@ struct LookRow {
 /// The middle frame of a sequence.
 Samples middle_frame(const Samples& samples);
 
-/// Draws rows below each other in a PNG, in lattice space: u to the right; w upwards, of flat lattices v, of images the image.
-/// Volumes are lit from above and seen along v.
+/// Draws rows below each other in a PNG, in lattice space: u to the right; w upwards, of flat
+/// lattices v, of images the image. Volumes are lit from above and seen along v.
 /// @throws fluidcarve::Failure if the file can't be written
 void draw_looks(const std::vector<LookRow>& rows, const std::string& path);

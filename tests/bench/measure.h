@@ -20,14 +20,16 @@ inline double seconds(int runs, const std::function<void()>& call) {
     for (int n = 0; n < runs; ++n) {
         const auto start = std::chrono::steady_clock::now();
         call();
-        all.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+        all.push_back(
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }
     std::sort(all.begin(), all.end());
     return all[all.size() / 2];
 }
 
 inline double with_threads(int threads, const std::function<double()>& measure) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism,
+                                      static_cast<std::size_t>(threads));
     tbb::task_arena arena(threads);
     return arena.execute(measure);
 }
@@ -39,9 +41,11 @@ inline std::vector<Figure>& figures() {
 }
 
 /// Prints a line and remembers it.
-inline void line(const std::string& what, double ratio, const std::string& rest = {}, Better better = Better::higher) {
+inline void line(const std::string& what, double ratio, const std::string& rest = {},
+                 Better better = Better::higher) {
     fmt::print("{:<80} {:>8.2f}   {}\n", what, ratio, rest);
-    figures().push_back({what, ratio, better, rest, fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr)))});
+    figures().push_back(
+        {what, ratio, better, rest, fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr)))});
 }
 
 inline void scaling(const std::string& what, const std::function<double()>& measure) {

@@ -21,7 +21,8 @@ void bench_page() {
             document.querySelector(`input[name=kind][value=${shown}]`).checked = true;
             showKind();
             for (const visit of ['first', 'again']) {
-                // Of the slowest count, the quickest of a few visits: the others were held up by something else.
+                // Of the slowest count, the quickest of a few visits: the others were held up by
+                // something else.
                 let slowest = 0;
                 for (let count = 1; count <= 12; ++count) {
                     let quickest = Infinity;
@@ -40,9 +41,12 @@ void bench_page() {
         }
         return times;)js",
                                    "", Clock::real);
-    for (const auto& [name, shown] :
-         {std::pair("volume", "volume first"), {"slice", "z first"}, {"volume, again", "volume again"}, {"slice, again", "z again"}}) {
+    for (const auto& [name, shown] : {std::pair("volume", "volume first"),
+                                      {"slice", "z first"},
+                                      {"volume, again", "volume again"},
+                                      {"slice, again", "z again"}}) {
         const double ms = times[shown].get<double>();
-        line(fmt::format("page, 96 voxels, slider to {}: script / 50 ms", name), ms / 50, fmt::format("{:.1f} ms", ms), Better::lower);
+        line(fmt::format("page, 96 voxels, slider to {}: script / 50 ms", name), ms / 50,
+             fmt::format("{:.1f} ms", ms), Better::lower);
     }
 }

@@ -22,7 +22,8 @@ struct Panel {
     std::vector<Curve> curves;
 };
 
-/// Line plots in rows of two in a PNG, one legend for all: curves of the same place have the same colour and name.
+/// Line plots in rows of two in a PNG, one legend for all: curves of the same place have the same
+/// colour and name.
 class Plot {
 public:
     explicit Plot(std::vector<Panel> panels) : panels_(std::move(panels)) {}
@@ -30,13 +31,15 @@ public:
     /// @throws std::runtime_error if the file can't be written
     void write(const std::string& path) const {
         const auto rows = (panels_.size() + columns - 1) / columns;
-        const int width = static_cast<int>(std::min(columns, panels_.size())) * (panel_width + left + right);
+        const int width =
+            static_cast<int>(std::min(columns, panels_.size())) * (panel_width + left + right);
         const int height = static_cast<int>(rows) * (top + panel_height + bottom) + legend;
         auto* const surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
         auto* const cairo = cairo_create(surface);
         cairo_set_source_rgb(cairo, 1, 1, 1);
         cairo_paint(cairo);
-        cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+        cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                               CAIRO_FONT_WEIGHT_NORMAL);
         cairo_set_font_size(cairo, 13);
         for (std::size_t n = 0; n < panels_.size(); ++n) {
             cairo_save(cairo);
@@ -49,17 +52,23 @@ public:
         const auto status = cairo_surface_write_to_png(surface, path.c_str());
         cairo_destroy(cairo);
         cairo_surface_destroy(surface);
-        if (status != CAIRO_STATUS_SUCCESS) throw std::runtime_error(path + ": " + cairo_status_to_string(status));
+        if (status != CAIRO_STATUS_SUCCESS)
+            throw std::runtime_error(path + ": " + cairo_status_to_string(status));
     }
 
 private:
-    static constexpr int panel_width = 480, panel_height = 340, left = 78, right = 24, top = 40, bottom = 52, legend = 40;
+    static constexpr int panel_width = 480, panel_height = 340, left = 78, right = 24, top = 40,
+                         bottom = 52, legend = 40;
     static constexpr std::size_t columns = 2;
 
     static void set_colour(cairo_t* cairo, std::size_t curve) {
         // Okabe and Ito's, which colour-blind readers can tell apart.
-        static constexpr std::array<std::array<double, 3>, 6> colours{
-            {{0.60, 0.60, 0.60}, {0.90, 0.62, 0.00}, {0.84, 0.37, 0.00}, {0.00, 0.45, 0.70}, {0.00, 0.62, 0.45}, {0.80, 0.47, 0.65}}};
+        static constexpr std::array<std::array<double, 3>, 6> colours{{{0.60, 0.60, 0.60},
+                                                                       {0.90, 0.62, 0.00},
+                                                                       {0.84, 0.37, 0.00},
+                                                                       {0.00, 0.45, 0.70},
+                                                                       {0.00, 0.62, 0.45},
+                                                                       {0.80, 0.47, 0.65}}};
         const auto& [r, g, b] = colours[curve % colours.size()];
         cairo_set_source_rgb(cairo, r, g, b);
         // So that curves one upon the other both show.
@@ -78,7 +87,8 @@ private:
         return extents.x_advance;
     }
     /// @param align  0: x is its left, 0.5: its middle, 1: its right
-    static void write_text(cairo_t* cairo, const std::string& text, double x, double y, double align) {
+    static void write_text(cairo_t* cairo, const std::string& text, double x, double y,
+                           double align) {
         cairo_move_to(cairo, x - align * text_width(cairo, text), y);
         cairo_show_text(cairo, text.c_str());
     }
@@ -103,8 +113,12 @@ private:
         low = step * std::floor(low / step);
         high = step * std::ceil(high / step);
         const double y0 = top + panel_height;
-        const auto x_of = [&](double n) { return x0 + panel_width * n / static_cast<double>(count); };
-        const auto y_of = [&](double value) { return y0 - panel_height * (value - low) / (high - low); };
+        const auto x_of = [&](double n) {
+            return x0 + panel_width * n / static_cast<double>(count);
+        };
+        const auto y_of = [&](double value) {
+            return y0 - panel_height * (value - low) / (high - low);
+        };
 
         const int decimals = std::max(0, -static_cast<int>(std::floor(std::log10(step) + 1e-9)));
         for (double value = low; value < high + step / 2; value += step) {
@@ -132,7 +146,8 @@ private:
             set_colour(cairo, c);
             const auto& values = panel.curves[c].values;
             cairo_new_path(cairo);  // text leaves a point behind
-            for (std::size_t n = 0; n < values.size(); ++n) cairo_line_to(cairo, x_of(static_cast<double>(n + 1)), y_of(values[n]));
+            for (std::size_t n = 0; n < values.size(); ++n)
+                cairo_line_to(cairo, x_of(static_cast<double>(n + 1)), y_of(values[n]));
             cairo_stroke(cairo);
         }
     }

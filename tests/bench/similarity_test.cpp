@@ -17,8 +17,10 @@ Samples eddies(unsigned seed = 1) {
     };
     std::vector<Wave> waves;
     for (int n = 0; n < 40; ++n) {
-        const float a = phase(random), b = sign(random), length = turns(random), flat = std::sqrt(1 - b * b);
-        waves.push_back({phase(random), length * flat * std::cos(a), length * flat * std::sin(a), length * b});
+        const float a = phase(random), b = sign(random), length = turns(random),
+                    flat = std::sqrt(1 - b * b);
+        waves.push_back(
+            {phase(random), length * flat * std::cos(a), length * flat * std::sin(a), length * b});
     }
     std::size_t n = 0;
     for (int k = 0; k < 12; ++k)
@@ -26,7 +28,9 @@ Samples eddies(unsigned seed = 1) {
             for (int i = 0; i < 64; ++i) {
                 float sum = 8;
                 for (const auto& wave : waves)
-                    sum += std::sin(wave.phase + wave.u * static_cast<float>(i) + wave.v * static_cast<float>(j) + wave.w * static_cast<float>(k));
+                    sum +=
+                        std::sin(wave.phase + wave.u * static_cast<float>(i) +
+                                 wave.v * static_cast<float>(j) + wave.w * static_cast<float>(k));
                 out.values[n++] = std::max(0.0f, sum);
             }
     return out;
@@ -41,7 +45,9 @@ Samples scaled(const Samples& source, std::size_t width) {
 Samples comb(const Samples& source, std::size_t first, std::size_t size, std::size_t copies) {
     return stretched(source, source.shape[0] + copies * size, [=](double i) {
         const auto at = static_cast<std::size_t>(i);
-        return static_cast<double>(at < first + size ? at : at < first + (copies + 1) * size ? first + (at - first) % size : at - copies * size);
+        return static_cast<double>(at < first + size                  ? at
+                                   : at < first + (copies + 1) * size ? first + (at - first) % size
+                                                                      : at - copies * size);
     });
 }
 
@@ -57,7 +63,9 @@ TEST_CASE("form is 0 under even scaling, and 1 where whole vertices are taken ou
     CHECK(looks_of(cut, source, scaled(source, 48), 16).form.value() > 0.8);
 }
 
-TEST_CASE("a comb of copies is told by what is repeated, though each of its patches comes from the input") {
+TEST_CASE(
+    "a comb of copies is told by what is repeated, though each of its patches comes from the "
+    "input") {
     const auto source = eddies();
     const auto three = comb(source, 20, 8, 3), even = scaled(source, three.shape[0]);
     const auto of_comb = looks_of(three, source, even, 24);

@@ -1,12 +1,12 @@
 #include "tests/bench/vortex.h"
 
-#include "nodes/io/vdb_file.h"
-#include "nodes/lattice/build.h"
-#include "nodes/lattice/mapping.h"
-#include "nodes/rig/circle.h"
-#include "nodes/seam/costs/sample.h"
-#include "nodes/seams/carve_map.h"
-#include "nodes/seams/seam_file.h"
+#include "carve/lattice/build.h"
+#include "carve/lattice/mapping.h"
+#include "carve/rig/circle.h"
+#include "carve/seam/carve_map.h"
+#include "carve/solver/costs/sample.h"
+#include "formats/seam_file/seam_file.h"
+#include "formats/vdb/vdb_file.h"
 #include "tests/bench/measure.h"
 #include "tests/support/program.h"
 
@@ -25,7 +25,8 @@ using openvdb::Vec3d;
 
 namespace {
 
-// As pipelines/vortex.yaml has it, but for more room: twenty seams must fit, and something must be left to move.
+// As pipelines/vortex.yaml has it, but for more room: twenty seams must fit, and something must be
+// left to move.
 constexpr int seam_count = 20;
 constexpr double spacing = 0.0555556, radius = 1.15;
 constexpr std::array extent_u{-1.05, 0.85}, extent_v{-0.7, 0.7};
@@ -40,13 +41,17 @@ Lattice ring(double step) {
 }
 
 /// vortex.yaml without its picture, on a sequence. @return the report
-nlohmann::json carve(const Scratch& scratch, const std::string& in, const std::string& name, int count, int last) {
+nlohmann::json carve(const Scratch& scratch, const std::string& in, const std::string& name,
+                     int count, int last) {
     const auto shipped = Scratch::read(SOURCE_ROOT "/pipelines/vortex.yaml");
-    const auto file = scratch.write("vortex.yaml", shipped.substr(0, shipped.find("  sheet: {type: preview.sheet")));
+    const auto file = scratch.write(
+        "vortex.yaml", shipped.substr(0, shipped.find("  sheet: {type: preview.sheet")));
     const auto ran = fluidcarve_program(
-        fmt::format("run -q {} --threads 2 --set sim={}.####.vdb --set out={}.####.vdb --set seams={}.vdb --set count={} --set 'ring.extent_u=[{}]' "
+        fmt::format("run -q {} --threads 2 --set sim={}.####.vdb --set out={}.####.vdb --set "
+                    "seams={}.vdb --set count={} --set 'ring.extent_u=[{}]' "
                     "--set 'seams.window=[0, {}]' --report {}",
-                    file, in, scratch / name, scratch / name, count, fmt::join(extent_u, ", "), last, scratch / "report.json"));
+                    file, in, scratch / name, scratch / name, count, fmt::join(extent_u, ", "),
+                    last, scratch / "report.json"));
     if (ran.code != 0) throw std::runtime_error(ran.err);
     return nlohmann::json::parse(Scratch::read(scratch / "report.json"));
 }
@@ -62,14 +67,18 @@ Dense density(const std::string& path) {
 }
 
 Vec3d gradient(const Dense& field, const Coord& at) {
-    const auto along = [&](int x, int y, int z) { return 0.5 * (field.getValue(at.offsetBy(x, y, z)) - field.getValue(at.offsetBy(-x, -y, -z))); };
+    const auto along = [&](int x, int y, int z) {
+        return 0.5 *
+               (field.getValue(at.offsetBy(x, y, z)) - field.getValue(at.offsetBy(-x, -y, -z)));
+    };
     return {along(1, 0, 0), along(0, 1, 0), along(0, 0, 1)};
 }
 
 /// Where the voxels of a carved frame come from, if all of their cell moved alike.
 class Moved {
 public:
-    Moved(const Lattice& lattice, const Seams& seams, std::size_t t) : mapping_(lattice), step_(seams, t, seams.seams.size()) {}
+    Moved(const Lattice& lattice, const Seams& seams, std::size_t t)
+        : mapping_(lattice), step_(seams, t, seams.seams.size()) {}
 
     Vec3d world(const Vec3d& at) const { return spacing * at + corner; }
 
@@ -91,7 +100,9 @@ public:
 
     Vec3d source(const Vec3d& at, int displacement) const {
         const auto place = *mapping_.locate(world(at));
-        return at + (mapping_.position(place + Vec3d(displacement, 0, 0)) - mapping_.position(place)) / spacing;
+        return at +
+               (mapping_.position(place + Vec3d(displacement, 0, 0)) - mapping_.position(place)) /
+                   spacing;
     }
 
 private:
@@ -104,8 +115,9 @@ struct SlopeSquares {
     double loss() const { return 1 - after / before; }
 };
 
-/// Of the voxels that only moved: the squares of the slopes along u that they have, and that the input has where they come
-/// from, the mean of its voxels there. Along u, a move changes no slope; across, a ring that is tightened is squeezed.
+/// Of the voxels that only moved: the squares of the slopes along u that they have, and that the
+/// input has where they come from, the mean of its voxels there. Along u, a move changes no slope;
+/// across, a ring that is tightened is squeezed.
 void add_frame(const Moved& moved, const Dense& before, const Dense& after, SlopeSquares& sum) {
     const auto square = [](double x) { return x * x; };
     auto box = after.bbox();
@@ -115,7 +127,8 @@ void add_frame(const Moved& moved, const Dense& before, const Dense& after, Slop
         if (d == 0) continue;
         bool alone = false;
         for (const auto& next : {Coord(1, 0, 0), Coord(0, 1, 0), Coord(0, 0, 1)})
-            alone = alone || moved.displacement(*at + next) != d || moved.displacement(*at - next) != d;
+            alone =
+                alone || moved.displacement(*at + next) != d || moved.displacement(*at - next) != d;
         if (alone) continue;
         const auto from = moved.source((*at).asVec3d(), d);
         const auto u = (from - (*at).asVec3d()).unit();
@@ -124,23 +137,28 @@ void add_frame(const Moved& moved, const Dense& before, const Dense& after, Slop
         for (int n = 0; n < 8; ++n) {
             const auto voxel = low.offsetBy(n & 1, n >> 1 & 1, n >> 2);
             const auto off = from - voxel.asVec3d();
-            const double weight = (1 - std::abs(off.x())) * (1 - std::abs(off.y())) * (1 - std::abs(off.z()));
+            const double weight =
+                (1 - std::abs(off.x())) * (1 - std::abs(off.y())) * (1 - std::abs(off.z()));
             sum.before += weight * square(u.dot(gradient(before, voxel)));
         }
     }
 }
 
-double loss_of(const Lattice& lattice, const Seams& seams, const PathPattern& in, const PathPattern& out) {
+double loss_of(const Lattice& lattice, const Seams& seams, const PathPattern& in,
+               const PathPattern& out) {
     SlopeSquares sum;
     for (std::size_t t = 0; t < seams.frames.size(); ++t)
-        add_frame(Moved(lattice, seams, t), density(in.at(seams.frames[t])), density(out.at(seams.frames[t])), sum);
+        add_frame(Moved(lattice, seams, t), density(in.at(seams.frames[t])),
+                  density(out.at(seams.frames[t])), sum);
     return sum.loss();
 }
 
 /// Carves seams from a sequence at once, without solving them again.
-void carve_again(const Scratch& scratch, const std::string& in, const Seams& seams, const std::string& name, const std::string& interpolation) {
+void carve_again(const Scratch& scratch, const std::string& in, const Seams& seams,
+                 const std::string& name, const std::string& interpolation) {
     write_seams(scratch / "again.vdb", seams);
-    const auto file = scratch.write("again.yaml", fmt::format(R"(fluidcarve: 1
+    const auto file = scratch.write(
+        "again.yaml", fmt::format(R"(fluidcarve: 1
 frames: 41-46
 nodes:
   sim:    {{type: vdb.read, path: "{}.####.vdb", translate: [{}, {}, {}]}}
@@ -150,14 +168,15 @@ nodes:
   carved: {{type: remap.grids, source: sim, lattice: ring, seams: seams, interpolation: {}}}
   out:    {{type: vdb.write, source: carved, path: "{}.####.vdb"}}
 )",
-                                                              in, corner.x(), corner.y(), corner.z(), radius, spacing, fmt::join(extent_u, ", "),
-                                                              fmt::join(extent_v, ", "), scratch / "again.vdb", interpolation, scratch / name));
+                                  in, corner.x(), corner.y(), corner.z(), radius, spacing,
+                                  fmt::join(extent_u, ", "), fmt::join(extent_v, ", "),
+                                  scratch / "again.vdb", interpolation, scratch / name));
     const auto ran = fluidcarve_program("run -q " + file);
     if (ran.code != 0) throw std::runtime_error(ran.err);
 }
 
-/// The paper's loop: solve one seam, remap, and all again from what came out. Next to it the same number at once, and for
-/// what is lost the very same seams.
+/// The paper's loop: solve one seam, remap, and all again from what came out. Next to it the same
+/// number at once, and for what is lost the very same seams.
 void bench_loop(const std::string& in) {
     const Scratch scratch;
     const auto lattice = ring(spacing);
@@ -175,15 +194,20 @@ void bench_loop(const std::string& in) {
         if (n == 0) seams = std::move(found);
         else seams.seams.push_back(std::move(found.seams.at(0)));
     }
-    line(fmt::format("vortex, {} seams: seconds of the paper's loop / of one carve", seam_count), one_by_one / at_once,
-         fmt::format("{:.2f} s, {:.2f} s", one_by_one, at_once));
+    line(fmt::format("vortex, {} seams: seconds of the paper's loop / of one carve", seam_count),
+         one_by_one / at_once, fmt::format("{:.2f} s, {:.2f} s", one_by_one, at_once));
 
     const PathPattern input(in + ".####.vdb");
-    const auto loss = [&](const std::string& name) { return loss_of(lattice, seams, input, PathPattern(name + ".####.vdb")); };
-    for (const auto* const interpolation : {"linear", "cubic"}) carve_again(scratch, in, seams, interpolation, interpolation);
-    const double by_loop = loss(from), linear = loss(scratch / "linear"), cubic = loss(scratch / "cubic");
+    const auto loss = [&](const std::string& name) {
+        return loss_of(lattice, seams, input, PathPattern(name + ".####.vdb"));
+    };
+    for (const auto* const interpolation : {"linear", "cubic"})
+        carve_again(scratch, in, seams, interpolation, interpolation);
+    const double by_loop = loss(from), linear = loss(scratch / "linear"),
+                 cubic = loss(scratch / "cubic");
     line("vortex: slopes lost where voxels only moved: loop / one carve", by_loop / linear,
-         fmt::format("{:.1f} %, {:.1f} %; cubic {:.1f} %", 100 * by_loop, 100 * linear, 100 * cubic));
+         fmt::format("{:.1f} %, {:.1f} %; cubic {:.1f} %", 100 * by_loop, 100 * linear,
+                     100 * cubic));
 }
 
 void bench_share(const std::string& in) {
@@ -194,7 +218,8 @@ void bench_share(const std::string& in) {
         work += node["wall_s"].get<double>();
         if (name == "rig" || name == "ring") lattice += node["wall_s"].get<double>();
     }
-    line("vortex: work of a run / of building its lattice", work / lattice, fmt::format("{:.2f} % of it", 100 * lattice / work));
+    line("vortex: work of a run / of building its lattice", work / lattice,
+         fmt::format("{:.2f} % of it", 100 * lattice / work));
 }
 
 void bench_sampling(const std::string& in, int frame) {
@@ -202,7 +227,8 @@ void bench_sampling(const std::string& in, int frame) {
     const auto field = openvdb::gridPtrCast<FloatGrid>(read_vdb_grid(file, "density"));
     field->transform().postTranslate(corner);
     const auto lattice = ring(spacing / 3);
-    std::vector<std::uint16_t> codes(static_cast<std::size_t>(lattice.shape[0]) * static_cast<std::size_t>(lattice.shape[1]) *
+    std::vector<std::uint16_t> codes(static_cast<std::size_t>(lattice.shape[0]) *
+                                     static_cast<std::size_t>(lattice.shape[1]) *
                                      static_cast<std::size_t>(lattice.shape[2]));
     scaling(fmt::format("ring of {}: energy sampled", fmt::join(lattice.shape, " x ")),
             [&] { return seconds(9, [&] { sample_energy(*field, lattice, Axis::u, codes); }); });

@@ -1,10 +1,10 @@
 #include "tests/bench/warp.h"
 
-#include "nodes/seam/costs/prices.h"
-#include "nodes/seam/greedy.h"
-#include "nodes/seams/warp.h"
-#include "nodes/warp/find_warp.h"
-#include "nodes/warp/weights.h"
+#include "carve/seam/warp.h"
+#include "carve/solver/costs/prices.h"
+#include "carve/solver/greedy.h"
+#include "carve/warp/find_warp.h"
+#include "carve/warp/weights.h"
 #include "tests/bench/measure.h"
 #include "tests/support/synthetic_energy.h"
 
@@ -30,15 +30,25 @@ void bench_size(const std::array<int, 3>& shape, std::size_t frames, int factor)
             Warp found(shape, {}, factor, frames, in_memory, "");
             FrameStore weights(frames, found.values(0).size(), in_memory, "");
             find_weights(energy, typical, {}, found, weights);
-            const WarpTask task{{0, shape[0] - 1}, {}, std::vector<float>(static_cast<std::size_t>(found.points()[2]) * frames, 1.0f), -0.1 * shape[0], {}};
+            const WarpTask task{
+                {0, shape[0] - 1},
+                {},
+                std::vector<float>(static_cast<std::size_t>(found.points()[2]) * frames, 1.0f),
+                -0.1 * shape[0],
+                {}};
             cycles = find_warp(task, found, weights, [](double) {});
         });
     };
-    const double seam = with_threads(2, [&] { return seconds(runs, [&] { greedy_seam(energy, {0, shape[0] - 1}, 0, 16, [](double) {}); }); });
-    const auto name = fmt::format("{}x{}x{} x {}: warp.solve", shape[0], shape[1], shape[2], frames);
+    const double seam = with_threads(2, [&] {
+        return seconds(runs, [&] { greedy_seam(energy, {0, shape[0] - 1}, 0, 16, [](double) {}); });
+    });
+    const auto name =
+        fmt::format("{}x{}x{} x {}: warp.solve", shape[0], shape[1], shape[2], frames);
     const double two = with_threads(2, warp);
-    line(fmt::format("{}, a point every {} / a greedy seam", name, factor == 1 ? "vertex" : fmt::format("{} vertices", factor)), two / seam,
-         fmt::format("{:.2f} s, {} cycles; {:.2f} s", two, cycles, seam), Better::lower);
+    line(fmt::format("{}, a point every {} / a greedy seam", name,
+                     factor == 1 ? "vertex" : fmt::format("{} vertices", factor)),
+         two / seam, fmt::format("{:.2f} s, {} cycles; {:.2f} s", two, cycles, seam),
+         Better::lower);
     if (factor == 1) scaling(name, warp);
 }
 

@@ -57,14 +57,17 @@ nodes:
   vdb: {type: vdb.write, source: sdf, path: out/o.vdb}
 )";
 
-constexpr auto tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+constexpr auto tetrahedron =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
 /// Sixteen grey pixels, as PNG.
-constexpr unsigned char pixels[] = {0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00,
-                                    0x00, 0x00, 0x04, 0x00, 0x00, 0x00, 0x04, 0x08, 0x00, 0x00, 0x00, 0x00, 0x8c, 0x9a, 0xc1, 0xa2, 0x00,
-                                    0x00, 0x00, 0x1c, 0x49, 0x44, 0x41, 0x54, 0x78, 0xda, 0x63, 0x60, 0x10, 0x50, 0x30, 0x60, 0xd0, 0xb0,
-                                    0xf0, 0x88, 0x60, 0x08, 0x48, 0x28, 0x68, 0x60, 0xa8, 0xe8, 0x98, 0xb1, 0x02, 0x00, 0x23, 0xb4, 0x05,
-                                    0x41, 0x4b, 0xf8, 0x36, 0xc0, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+constexpr unsigned char pixels[] = {
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44,
+    0x52, 0x00, 0x00, 0x00, 0x04, 0x00, 0x00, 0x00, 0x04, 0x08, 0x00, 0x00, 0x00, 0x00, 0x8c,
+    0x9a, 0xc1, 0xa2, 0x00, 0x00, 0x00, 0x1c, 0x49, 0x44, 0x41, 0x54, 0x78, 0xda, 0x63, 0x60,
+    0x10, 0x50, 0x30, 0x60, 0xd0, 0xb0, 0xf0, 0x88, 0x60, 0x08, 0x48, 0x28, 0x68, 0x60, 0xa8,
+    0xe8, 0x98, 0xb1, 0x02, 0x00, 0x23, 0xb4, 0x05, 0x41, 0x4b, 0xf8, 0x36, 0xc0, 0x00, 0x00,
+    0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
 
 void put(const fs::path& path, const std::string& text) {
     fs::create_directories(path.parent_path());
@@ -84,7 +87,10 @@ const std::vector<Job>& jobs() {
         {"kept", {run + "carve.yaml -q", "rm out/o.0001.vdb"}, run + "carve.yaml"},
         {"picture", {}, run + "pictures.yaml --no-cache"},
         {"page", {run + "carve.yaml -q"}, "{} view carve.yaml --threads 1 -o out/page.html"},
-        {"report", {}, run + "carve.yaml --no-cache --report out/r.json --html out/r.html --profile out/p.json --manifest out/m"},
+        {"report",
+         {},
+         run + "carve.yaml --no-cache --report out/r.json --html out/r.html --profile out/p.json "
+               "--manifest out/m"},
         {"image", {}, run + "image.yaml --no-cache"},
         {"mesh", {}, run + "mesh.yaml --no-cache"},
         {"farm", {}, "{} farm local carve.yaml --chunk 2 -j 1 --threads 1"},
@@ -96,7 +102,8 @@ const std::vector<Job>& jobs() {
 
 void furnish(const std::string& folder) {
     const fs::path to = folder;
-    for (const std::string frame : {"1", "2"}) fs::copy_file(TEST_DATA "/vdb/gaffer_arnold_sphere.vdb", to / ("in.000" + frame + ".vdb"));
+    for (const std::string frame : {"1", "2"})
+        fs::copy_file(TEST_DATA "/vdb/gaffer_arnold_sphere.vdb", to / ("in.000" + frame + ".vdb"));
     put(to / "in.obj", tetrahedron);
     put(to / "in.png", std::string(reinterpret_cast<const char*>(pixels), sizeof pixels));
     put(to / "carve.yaml", carve);
@@ -107,9 +114,12 @@ void furnish(const std::string& folder) {
     put(to / "mesh.yaml", meshes);
     put(to / "out/of_others.vdb", "of others");
     put(to / "out/m.lockx", "of others");
-    for (const std::string part : {"cache/", "cache/00/", "runs/", "history/", "jobs/other/"}) put(to / "work" / part / "of_others.json", "[\"of others\"]");
+    for (const std::string part : {"cache/", "cache/00/", "runs/", "history/", "jobs/other/"})
+        put(to / "work" / part / "of_others.json", "[\"of others\"]");
     // Without the mark the work folder would be a stranger's.
-    put(to / "work/CACHEDIR.TAG", "Signature: 8a477f597d28d172789f06886806bc55\n# A work folder of fluidcarve: results that it can compute again.\n");
+    put(to / "work/CACHEDIR.TAG",
+        "Signature: 8a477f597d28d172789f06886806bc55\n# A work folder of fluidcarve: results that "
+        "it can compute again.\n");
 }
 
 const std::vector<std::string>& foreign_files() {

@@ -1,8 +1,11 @@
-// A library for LD_PRELOAD that lets the n-th call of a kind fail, as a full disk, a broken one or too little memory would.
+// A library for LD_PRELOAD that lets the n-th call of a kind fail, as a full disk, a broken one or
+// too little memory would.
 //   FAULT_KIND   open, read, write, fsync, rename, close, mmap or allocation
 //   FAULT_AT     which call of the program fails, from 1 on; 0: none
-//   FAULT_COUNT  a file that gets the number of calls of all kinds, a line for each; a child of the program does not write it
-// Calls before main() are not counted: they are those of libraries that start.
+//   FAULT_COUNT
+//       a file that gets the number of calls of all kinds, a line for each; a child of the program
+//       does not write it Calls before main() are not counted: they are those of libraries that
+//       start.
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -21,8 +24,19 @@
 
 namespace {
 
-enum Kind { kind_open, kind_read, kind_write, kind_fsync, kind_rename, kind_close, kind_mmap, kind_allocation, kinds };
-constexpr std::array<const char*, kinds> names{"open", "read", "write", "fsync", "rename", "close", "mmap", "allocation"};
+enum Kind {
+    kind_open,
+    kind_read,
+    kind_write,
+    kind_fsync,
+    kind_rename,
+    kind_close,
+    kind_mmap,
+    kind_allocation,
+    kinds
+};
+constexpr std::array<const char*, kinds> names{"open",   "read",  "write", "fsync",
+                                               "rename", "close", "mmap",  "allocation"};
 constexpr std::array<int, kinds> errors{EMFILE, EIO, ENOSPC, EIO, EIO, EDQUOT, ENOMEM, ENOMEM};
 
 std::atomic<bool> counting{false};
@@ -52,7 +66,8 @@ std::array<std::atomic<off_t>, 1024> sizes{};  ///< of files when they were open
 /// Takes note of a file that was opened.
 int opened(int file) {
     struct stat about {};
-    if (file >= 0 && file < static_cast<int>(sizes.size())) sizes[static_cast<std::size_t>(file)] = fstat(file, &about) == 0 ? about.st_size : 0;
+    if (file >= 0 && file < static_cast<int>(sizes.size()))
+        sizes[static_cast<std::size_t>(file)] = fstat(file, &about) == 0 ? about.st_size : 0;
     return file;
 }
 
@@ -60,11 +75,15 @@ int opened(int file) {
 void lose_half(int file) {
     struct stat about {};
     const bool written = (fcntl(file, F_GETFL) & O_ACCMODE) != O_RDONLY;
-    const off_t before = file < static_cast<int>(sizes.size()) ? sizes[static_cast<std::size_t>(file)].load() : 0;
-    if (written && fstat(file, &about) == 0 && S_ISREG(about.st_mode)) static_cast<void>(!ftruncate(file, before + (about.st_size - before) / 2));
+    const off_t before =
+        file < static_cast<int>(sizes.size()) ? sizes[static_cast<std::size_t>(file)].load() : 0;
+    if (written && fstat(file, &about) == 0 && S_ISREG(about.st_mode))
+        static_cast<void>(!ftruncate(file, before + (about.st_size - before) / 2));
 }
 
-mode_t mode_of(int flags, va_list arguments) { return (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(arguments, mode_t) : 0; }
+mode_t mode_of(int flags, va_list arguments) {
+    return (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(arguments, mode_t) : 0;
+}
 
 using Main = int(int, char**, char**);
 Main* main_of_program = nullptr;
@@ -100,7 +119,8 @@ int counted_main(int count, char** words, char** environment) {
         return real(next, #name) arguments;                             \
     }
 
-extern "C" int __libc_start_main(Main* run, int count, char** words, void (*first)(), void (*last)(), void (*end)(), void* stack) {
+extern "C" int __libc_start_main(Main* run, int count, char** words, void (*first)(),
+                                 void (*last)(), void (*end)(), void* stack) {
     static int (*next)(Main*, int, char**, void (*)(), void (*)(), void (*)(), void*) = nullptr;
     main_of_program = run;
     return real(next, "__libc_start_main")(counted_main, count, words, first, last, end, stack);
@@ -148,21 +168,34 @@ extern "C" FILE* fopen64(const char* path, const char* mode) {
 }
 STAND_BEFORE(int, mkostemp, (char* path, int flags), (path, flags), kind_open, -1)
 
-STAND_BEFORE(ssize_t, read, (int file, void* into, size_t bytes), (file, into, bytes), kind_read, -1)
-STAND_BEFORE(ssize_t, pread, (int file, void* into, size_t bytes, off_t from), (file, into, bytes, from), kind_read, -1)
-STAND_BEFORE(ssize_t, pread64, (int file, void* into, size_t bytes, off64_t from), (file, into, bytes, from), kind_read, -1)
-STAND_BEFORE(ssize_t, readv, (int file, const iovec* into, int count), (file, into, count), kind_read, -1)
-STAND_BEFORE(size_t, fread, (void* into, size_t size, size_t count, FILE* file), (into, size, count, file), kind_read, 0)
+STAND_BEFORE(ssize_t, read, (int file, void* into, size_t bytes), (file, into, bytes), kind_read,
+             -1)
+STAND_BEFORE(ssize_t, pread, (int file, void* into, size_t bytes, off_t from),
+             (file, into, bytes, from), kind_read, -1)
+STAND_BEFORE(ssize_t, pread64, (int file, void* into, size_t bytes, off64_t from),
+             (file, into, bytes, from), kind_read, -1)
+STAND_BEFORE(ssize_t, readv, (int file, const iovec* into, int count), (file, into, count),
+             kind_read, -1)
+STAND_BEFORE(size_t, fread, (void* into, size_t size, size_t count, FILE* file),
+             (into, size, count, file), kind_read, 0)
 
 // What the same functions are called where the compiler knows the size of the buffer.
-STAND_BEFORE(ssize_t, __read_chk, (int file, void* into, size_t bytes, size_t most), (file, into, bytes, most), kind_read, -1)
-STAND_BEFORE(ssize_t, __pread_chk, (int file, void* into, size_t bytes, off_t from, size_t most), (file, into, bytes, from, most), kind_read, -1)
-STAND_BEFORE(ssize_t, __pread64_chk, (int file, void* into, size_t bytes, off64_t from, size_t most), (file, into, bytes, from, most), kind_read, -1)
-STAND_BEFORE(size_t, __fread_chk, (void* into, size_t most, size_t size, size_t count, FILE* file), (into, most, size, count, file), kind_read, 0)
+STAND_BEFORE(ssize_t, __read_chk, (int file, void* into, size_t bytes, size_t most),
+             (file, into, bytes, most), kind_read, -1)
+STAND_BEFORE(ssize_t, __pread_chk, (int file, void* into, size_t bytes, off_t from, size_t most),
+             (file, into, bytes, from, most), kind_read, -1)
+STAND_BEFORE(ssize_t, __pread64_chk,
+             (int file, void* into, size_t bytes, off64_t from, size_t most),
+             (file, into, bytes, from, most), kind_read, -1)
+STAND_BEFORE(size_t, __fread_chk, (void* into, size_t most, size_t size, size_t count, FILE* file),
+             (into, most, size, count, file), kind_read, 0)
 
-STAND_BEFORE(ssize_t, pwrite, (int file, const void* from, size_t bytes, off_t to), (file, from, bytes, to), kind_write, -1)
-STAND_BEFORE(ssize_t, pwrite64, (int file, const void* from, size_t bytes, off64_t to), (file, from, bytes, to), kind_write, -1)
-STAND_BEFORE(ssize_t, writev, (int file, const iovec* from, int count), (file, from, count), kind_write, -1)
+STAND_BEFORE(ssize_t, pwrite, (int file, const void* from, size_t bytes, off_t to),
+             (file, from, bytes, to), kind_write, -1)
+STAND_BEFORE(ssize_t, pwrite64, (int file, const void* from, size_t bytes, off64_t to),
+             (file, from, bytes, to), kind_write, -1)
+STAND_BEFORE(ssize_t, writev, (int file, const iovec* from, int count), (file, from, count),
+             kind_write, -1)
 
 // Messages are no results.
 extern "C" ssize_t write(int file, const void* from, size_t bytes) {
@@ -175,7 +208,8 @@ STAND_BEFORE(int, fsync, (int file), (file), kind_fsync, -1)
 STAND_BEFORE(int, fdatasync, (int file), (file), kind_fsync, -1)
 
 STAND_BEFORE(int, rename, (const char* from, const char* to), (from, to), kind_rename, -1)
-STAND_BEFORE(int, renameat, (int there, const char* from, int here, const char* to), (there, from, here, to), kind_rename, -1)
+STAND_BEFORE(int, renameat, (int there, const char* from, int here, const char* to),
+             (there, from, here, to), kind_rename, -1)
 
 extern "C" int close(int file) {
     static int (*next)(int) = nullptr;
@@ -198,16 +232,20 @@ extern "C" int fclose(FILE* file) {
     return failed ? EOF : code;
 }
 
-STAND_BEFORE(void*, mmap, (void* where, size_t bytes, int protection, int flags, int file, off_t from), (where, bytes, protection, flags, file, from),
-             kind_mmap, MAP_FAILED)
-STAND_BEFORE(void*, mmap64, (void* where, size_t bytes, int protection, int flags, int file, off64_t from), (where, bytes, protection, flags, file, from),
-             kind_mmap, MAP_FAILED)
+STAND_BEFORE(void*, mmap,
+             (void* where, size_t bytes, int protection, int flags, int file, off_t from),
+             (where, bytes, protection, flags, file, from), kind_mmap, MAP_FAILED)
+STAND_BEFORE(void*, mmap64,
+             (void* where, size_t bytes, int protection, int flags, int file, off64_t from),
+             (where, bytes, protection, flags, file, from), kind_mmap, MAP_FAILED)
 
 STAND_BEFORE(void*, malloc, (size_t bytes), (bytes), kind_allocation, nullptr)
 STAND_BEFORE(void*, calloc, (size_t count, size_t bytes), (count, bytes), kind_allocation, nullptr)
 STAND_BEFORE(void*, realloc, (void* old, size_t bytes), (old, bytes), kind_allocation, nullptr)
-STAND_BEFORE(void*, aligned_alloc, (size_t alignment, size_t bytes), (alignment, bytes), kind_allocation, nullptr)
-STAND_BEFORE(int, posix_memalign, (void** to, size_t alignment, size_t bytes), (to, alignment, bytes), kind_allocation, ENOMEM)
+STAND_BEFORE(void*, aligned_alloc, (size_t alignment, size_t bytes), (alignment, bytes),
+             kind_allocation, nullptr)
+STAND_BEFORE(int, posix_memalign, (void** to, size_t alignment, size_t bytes),
+             (to, alignment, bytes), kind_allocation, ENOMEM)
 
 namespace {
 

@@ -23,14 +23,15 @@ struct Ended {
     std::string errors;  ///< what it wrote to stderr
 };
 
-/// Calls a program in a folder, without input, with little memory and no work folder. What it writes to stderr is kept there as
-/// `stderr.txt`.
+/// Calls a program in a folder, without input, with little memory and no work folder. What it
+/// writes to stderr is kept there as `stderr.txt`.
 /// @param words  the program's path, then its arguments
 /// @param most   after so many seconds the call is ended
-Ended call(const std::vector<std::string>& words, const std::string& folder, double most = patience);
+Ended call(const std::vector<std::string>& words, const std::string& folder,
+           double most = patience);
 
-/// What is wrong with how a call ended; empty: nothing. Codes 0, 2 and 3 are sound, and so is 1 where nodes that compute failed: a file
-/// that a reader can't read must give 3.
+/// What is wrong with how a call ended; empty: nothing. Codes 0, 2 and 3 are sound, and so is 1
+/// where nodes that compute failed: a file that a reader can't read must give 3.
 std::string fault_of(const Ended& ended);
 
 }  // namespace fuzz

@@ -30,10 +30,12 @@ struct Score {
     double slowest = 0;                       ///< seconds
 };
 
-/// Calls the program with all mutants of a campaign. A mutant that it does not survive is kept in the current folder, and told.
+/// Calls the program with all mutants of a campaign. A mutant that it does not survive is kept in
+/// the current folder, and told.
 /// @param count  mutants of a campaign whose share is 1; at least one is made
 /// @param seed   the same seed makes the same mutants
-Score run(const Campaign& campaign, const std::string& program, std::size_t count, std::uint64_t seed);
+Score run(const Campaign& campaign, const std::string& program, std::size_t count,
+          std::uint64_t seed);
 
 /// The table of all scores.
 std::string table(const std::vector<Score>& scores);

@@ -37,7 +37,8 @@ std::string damaged(std::string file, Random& random);
 /// Slips of the hand in a pipeline, and malice.
 std::string mistyped(std::string text, Random& random);
 
-/// Numbers and words of a text file that become others: the numbers that readers trust are counts and indices.
+/// Numbers and words of a text file that become others: the numbers that readers trust are counts
+/// and indices.
 std::string retold(std::string text, Random& random);
 
 }  // namespace fuzz

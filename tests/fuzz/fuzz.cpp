@@ -1,9 +1,12 @@
-// Feeds the program files with faults, random and aimed: it may refuse them, but not crash, hang or ask for all memory.
+// Feeds the program files with faults, random and aimed: it may refuse them, but not crash, hang or
+// ask for all memory.
 //
-//   build/fuzz [COUNT] [SEED] [--only NAME]     COUNT mutants of each kind, or a share of it; the same seed makes the same mutants
+//   build/fuzz [COUNT] [SEED] [--only NAME]
+//       COUNT mutants of each kind, or a share of it; the same seed makes the same mutants
 //   build/fuzz --corpus FOLDER                  writes the files of tests/fuzz/corpus anew
 //
-// A mutant that the program does not survive is kept in the current folder, with the call that shows it.
+// A mutant that the program does not survive is kept in the current folder, with the call that
+// shows it.
 
 #include "tests/fuzz/campaigns.h"
 #include "tests/fuzz/corpus.h"
@@ -36,8 +39,12 @@ Options options_of(const std::vector<std::string>& words) {
         }
         std::uint64_t number = 0;
         const auto* const end = word->data() + word->size();
-        if (const auto [stop, error] = std::from_chars(word->data(), end, number); error != std::errc{} || stop != end || numbers == 2)
-            throw std::runtime_error(fmt::format("'{}' is not understood; usage: fuzz [COUNT] [SEED] [--only NAME] | --corpus FOLDER", *word));
+        if (const auto [stop, error] = std::from_chars(word->data(), end, number);
+            error != std::errc{} || stop != end || numbers == 2)
+            throw std::runtime_error(
+                fmt::format("'{}' is not understood; usage: fuzz [COUNT] [SEED] [--only NAME] | "
+                            "--corpus FOLDER",
+                            *word));
         (numbers++ == 0 ? out.count : out.seed) = number;
     }
     return out;
@@ -49,9 +56,12 @@ bool fuzz_all(const Options& options, const std::string& program, const Sources&
     std::string names;
     for (const auto& campaign : campaigns(sources)) {
         names += " " + campaign.name;
-        if (options.only.empty() || options.only == campaign.name) scores.push_back(run(campaign, program, options.count, options.seed));
+        if (options.only.empty() || options.only == campaign.name)
+            scores.push_back(run(campaign, program, options.count, options.seed));
     }
-    if (scores.empty()) throw std::runtime_error(fmt::format("there is no campaign '{}'; known:{}", options.only, names));
+    if (scores.empty())
+        throw std::runtime_error(
+            fmt::format("there is no campaign '{}'; known:{}", options.only, names));
     fmt::print("{}", table(scores));
     std::size_t failed = 0;
     for (const auto& score : scores) failed += score.failed;

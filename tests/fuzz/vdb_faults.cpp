@@ -47,7 +47,8 @@ void harm_sized(std::string& file, const Place& place, Random& random) {
 }
 
 /// Exchanges a number with another of the same part.
-void exchange(std::string& file, const std::vector<Place>& same, const Place& place, Random& random) {
+void exchange(std::string& file, const std::vector<Place>& same, const Place& place,
+              Random& random) {
     const auto& other = any_of(same, random);
     if (other.size != place.size) return;
     const auto here = file.substr(place.at, place.size);
@@ -57,7 +58,12 @@ void exchange(std::string& file, const std::vector<Place>& same, const Place& pl
 
 void harm_coordinate(std::string& file, const Place& place, Random& random) {
     constexpr std::array<std::int32_t, 6> ends{
-        std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max() - edge_of_tile + 1, 1 << 30, -(1 << 30), 1 << 20, edge_of_tile};
+        std::numeric_limits<std::int32_t>::min(),
+        std::numeric_limits<std::int32_t>::max() - edge_of_tile + 1,
+        1 << 30,
+        -(1 << 30),
+        1 << 20,
+        edge_of_tile};
     if (random() % 4) set_number(file, place.at, any_of(ends, random));
     else harm<std::int32_t>(file, place.at, random);
 }
@@ -73,7 +79,12 @@ void harm_mask(std::string& file, const Place& place, Random& random) {
 }
 
 void harm_float(std::string& file, const Place& place, Random& random) {
-    constexpr std::array numbers{std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 3e38f, -3e38f, 0.0f, 1e-45f};
+    constexpr std::array numbers{std::numeric_limits<float>::quiet_NaN(),
+                                 std::numeric_limits<float>::infinity(),
+                                 3e38f,
+                                 -3e38f,
+                                 0.0f,
+                                 1e-45f};
     if (place.size >= sizeof(float)) set_number(file, place.at, any_of(numbers, random));
     else file[place.at] = static_cast<char>(random());
 }
@@ -96,8 +107,22 @@ const std::vector<std::string> types{"Tree_float_5_4_3",
                                      "Tree_string_5_4_3",
                                      "_HalfFloat",
                                      ""};
-const std::vector<std::string> maps{"UniformScaleMap", "ScaleTranslateMap", "AffineMap", "UnitaryMap", "TranslationMap", "NonlinearFrustumMap", ""};
-const std::vector<std::string> point_words{"P", "id", "vec3s", "float", "null", "trnc", "ufxpt8", "grp", "int32", "str", "vec3f", "", std::string(300, 'x')};
+const std::vector<std::string> maps{
+    "UniformScaleMap", "ScaleTranslateMap",   "AffineMap", "UnitaryMap",
+    "TranslationMap",  "NonlinearFrustumMap", ""};
+const std::vector<std::string> point_words{"P",
+                                           "id",
+                                           "vec3s",
+                                           "float",
+                                           "null",
+                                           "trnc",
+                                           "ufxpt8",
+                                           "grp",
+                                           "int32",
+                                           "str",
+                                           "vec3f",
+                                           "",
+                                           std::string(300, 'x')};
 const std::vector<std::string> words{"",
                                      "0",
                                      "1",
@@ -142,15 +167,18 @@ const std::vector<std::string> words{"",
 
 }  // namespace
 
-std::string retold_at(const std::string& file, const std::vector<Place>& places, const Place& place, const std::string& text) {
+std::string retold_at(const std::string& file, const std::vector<Place>& places, const Place& place,
+                      const std::string& text) {
     auto out = file;
     set_number(out, place.at - sizeof(std::uint32_t), static_cast<std::uint32_t>(text.size()));
     return spliced(std::move(out), places, place.at, place.size, text);
 }
 
-std::string with_tile(const std::string& file, const std::vector<Place>& places, const Place& tile_count, std::int32_t x, std::int32_t y, std::int32_t z) {
-    const auto background =
-        std::find_if(places.begin(), places.end(), [&](const auto& each) { return each.part == Part::value && each.at + each.size == tile_count.at; });
+std::string with_tile(const std::string& file, const std::vector<Place>& places,
+                      const Place& tile_count, std::int32_t x, std::int32_t y, std::int32_t z) {
+    const auto background = std::find_if(places.begin(), places.end(), [&](const auto& each) {
+        return each.part == Part::value && each.at + each.size == tile_count.at;
+    });
     std::string tile(3 * sizeof(std::int32_t), '\0');
     std::size_t at = 0;
     for (const auto coordinate : {x, y, z}) set_number(tile, sizeof coordinate * at++, coordinate);
@@ -163,21 +191,34 @@ std::string with_tile(const std::string& file, const std::vector<Place>& places,
 std::string faulty_vdb(const std::string& file, const std::vector<Place>& places, Random& random) {
     std::set<Part> parts;
     for (const auto& place : places) parts.insert(place.part);
-    const auto part = *std::next(parts.begin(), static_cast<std::ptrdiff_t>(below(random, parts.size())));
+    const auto part =
+        *std::next(parts.begin(), static_cast<std::ptrdiff_t>(below(random, parts.size())));
     std::vector<Place> same;
-    std::copy_if(places.begin(), places.end(), std::back_inserter(same), [&](const auto& each) { return each.part == part; });
+    std::copy_if(places.begin(), places.end(), std::back_inserter(same),
+                 [&](const auto& each) { return each.part == part; });
     const auto& place = any_of(same, random);
     auto out = file;
     switch (part) {
-        case Part::version: set_number(out, place.at, static_cast<std::uint32_t>(212 + below(random, 16))); break;
+        case Part::version:
+            set_number(out, place.at, static_cast<std::uint32_t>(212 + below(random, 16)));
+            break;
         case Part::type_name: return retold_at(file, places, place, any_of(types, random));
         case Part::map_name: return retold_at(file, places, place, any_of(maps, random));
         case Part::point_text: return retold_at(file, places, place, any_of(point_words, random));
-        case Part::parent_name: return retold_at(file, places, place, std::string(1 + below(random, 3), '\x1e'));
+        case Part::parent_name:
+            return retold_at(file, places, place, std::string(1 + below(random, 3), '\x1e'));
         case Part::metadata_text: return retold_at(file, places, place, any_of(words, random));
         case Part::map_number: {
-            constexpr std::array numbers{
-                std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 0.0, -0.0, 1e300, -1e300, 1e-300, -1.0, 1e18, 1e9};
+            constexpr std::array numbers{std::numeric_limits<double>::quiet_NaN(),
+                                         std::numeric_limits<double>::infinity(),
+                                         0.0,
+                                         -0.0,
+                                         1e300,
+                                         -1e300,
+                                         1e-300,
+                                         -1.0,
+                                         1e18,
+                                         1e9};
             set_number(out, place.at, any_of(numbers, random));
             break;
         }
@@ -187,23 +228,31 @@ std::string faulty_vdb(const std::string& file, const std::vector<Place>& places
                 break;
             }
             const auto anywhere = [&] {
-                const auto n = static_cast<std::int32_t>(random() % 4 ? below(random, 9) : below(random, 1 << 20));
+                const auto n = static_cast<std::int32_t>(random() % 4 ? below(random, 9)
+                                                                      : below(random, 1 << 20));
                 return (random() % 2 ? n : -n - 1) % (1 << 19) * edge_of_tile;
             };
             return with_tile(file, places, place, anywhere(), anywhere(), anywhere());
         }
         case Part::coordinate: harm_coordinate(out, place, random); break;
-        case Part::tile_state: out[place.at] = static_cast<char>(random() % 2 ? 1 : random()); break;
+        case Part::tile_state:
+            out[place.at] = static_cast<char>(random() % 2 ? 1 : random());
+            break;
         case Part::value: harm_float(out, place, random); break;
         case Part::mask: harm_mask(out, place, random); break;
-        case Part::node_kind: out[place.at] = static_cast<char>(random() % 4 ? below(random, 8) : random()); break;
+        case Part::node_kind:
+            out[place.at] = static_cast<char>(random() % 4 ? below(random, 8) : random());
+            break;
         case Part::chunk_header: harm_header(out, place, random); break;
         case Part::grid_position:
         case Part::chunk_length:
             if (random() % 4 == 0) exchange(out, same, place, random);
             else harm_sized(out, place, random);
             break;
-        case Part::codec: set_number(out, place.at, static_cast<std::uint32_t>(random() % 4 ? below(random, 8) : random())); break;
+        case Part::codec:
+            set_number(out, place.at,
+                       static_cast<std::uint32_t>(random() % 4 ? below(random, 8) : random()));
+            break;
         case Part::grid_count:
         case Part::metadata_count:
         case Part::metadata_length:
@@ -213,9 +262,11 @@ std::string faulty_vdb(const std::string& file, const std::vector<Place>& places
     return out;
 }
 
-std::string faulty_seams(const std::string& file, const std::vector<Place>& places, Random& random) {
+std::string faulty_seams(const std::string& file, const std::vector<Place>& places,
+                         Random& random) {
     std::vector<Place> texts;
-    std::copy_if(places.begin(), places.end(), std::back_inserter(texts), [](const auto& each) { return each.part == Part::metadata_text; });
+    std::copy_if(places.begin(), places.end(), std::back_inserter(texts),
+                 [](const auto& each) { return each.part == Part::metadata_text; });
     return retold_at(file, places, any_of(texts, random), any_of(words, random));
 }
 

@@ -13,16 +13,18 @@ namespace fuzz {
 namespace {
 
 /// Doubles of OpenVDB's maps.
-const std::map<std::string, int> map_numbers{{"UniformScaleMap", 15},   {"ScaleMap", 15},      {"UniformScaleTranslateMap", 18},
-                                             {"ScaleTranslateMap", 18}, {"TranslationMap", 3}, {"AffineMap", 16},
-                                             {"UnitaryMap", 16}};
+const std::map<std::string, int> map_numbers{
+    {"UniformScaleMap", 15},   {"ScaleMap", 15},      {"UniformScaleTranslateMap", 18},
+    {"ScaleTranslateMap", 18}, {"TranslationMap", 3}, {"AffineMap", 16},
+    {"UnitaryMap", 16}};
 
 struct Values {
     std::size_t bytes, half_bytes;  ///< of a value in memory and in the file, of one as half floats
 };
-const std::map<std::string, Values> trees{{"Tree_float_5_4_3", {4, 2}}, {"Tree_double_5_4_3", {8, 2}},     {"Tree_vec3s_5_4_3", {12, 6}},
-                                          {"Tree_bool_5_4_3", {1, 1}},  {"Tree_mask_5_4_3", {1, 1}},       {"Tree_int32_5_4_3", {4, 4}},
-                                          {"Tree_int64_5_4_3", {8, 8}}, {"Tree_ptdataidx32_5_4_3", {4, 4}}};
+const std::map<std::string, Values> trees{
+    {"Tree_float_5_4_3", {4, 2}}, {"Tree_double_5_4_3", {8, 2}},     {"Tree_vec3s_5_4_3", {12, 6}},
+    {"Tree_bool_5_4_3", {1, 1}},  {"Tree_mask_5_4_3", {1, 1}},       {"Tree_int32_5_4_3", {4, 4}},
+    {"Tree_int64_5_4_3", {8, 8}}, {"Tree_ptdataidx32_5_4_3", {4, 4}}};
 constexpr auto points = "Tree_ptdataidx32_5_4_3";
 constexpr std::string_view half_suffix = "_HalfFloat";
 constexpr std::size_t blosc_header = 16;
@@ -30,7 +32,8 @@ constexpr std::size_t blosc_header = 16;
 class Walk {
 public:
     explicit Walk(const std::string& file) : file_(file) {
-        constexpr std::size_t magic = 8, versions_of_library = 8, has_positions = 1, identifier = 36;
+        constexpr std::size_t magic = 8, versions_of_library = 8, has_positions = 1,
+                              identifier = 36;
         at_ = magic;
         number<std::uint32_t>(Part::version);
         skip(versions_of_library + has_positions + identifier);
@@ -43,7 +46,8 @@ public:
 
 private:
     void need(std::size_t size) const {
-        if (at_ > file_.size() || size > file_.size() - at_) throw std::out_of_range("a VDB file that is not sound");
+        if (at_ > file_.size() || size > file_.size() - at_)
+            throw std::out_of_range("a VDB file that is not sound");
     }
     void skip(std::size_t size) {
         need(size);
@@ -75,7 +79,8 @@ private:
         for (auto left = number<std::uint32_t>(Part::metadata_count); left > 0; --left) {
             text({}, Part::metadata_length);
             const auto type = text({}, Part::metadata_length);
-            text(type == "string" ? std::optional(Part::metadata_text) : std::nullopt, Part::metadata_length);
+            text(type == "string" ? std::optional(Part::metadata_text) : std::nullopt,
+                 Part::metadata_length);
         }
     }
 
@@ -106,7 +111,8 @@ private:
         leaves_ = 0;
         skip(sizeof(std::int32_t));  // number of buffers
         place(Part::value, values_.bytes);
-        const auto tiles = number<std::uint32_t>(Part::tile_count), children = number<std::uint32_t>(Part::child_count);
+        const auto tiles = number<std::uint32_t>(Part::tile_count),
+                   children = number<std::uint32_t>(Part::child_count);
         const auto coordinates = [&] {
             for (int axis = 0; axis < 3; ++axis) place(Part::coordinate, sizeof(std::int32_t));
         };
@@ -136,7 +142,9 @@ private:
     std::size_t count_on(std::size_t bits) {
         need(bits / 8);
         std::size_t out = 0;
-        for (std::size_t n = 0; n < bits / 8; ++n) out += static_cast<std::size_t>(std::popcount(static_cast<unsigned char>(file_[at_ + n])));
+        for (std::size_t n = 0; n < bits / 8; ++n)
+            out +=
+                static_cast<std::size_t>(std::popcount(static_cast<unsigned char>(file_[at_ + n])));
         place(Part::mask, bits / 8);
         return out;
     }
@@ -153,7 +161,8 @@ private:
         if (half_ && values_.half_bytes < values_.bytes && count == 0) return;
         const auto bytes = count * (half_ ? values_.half_bytes : values_.bytes);
         if (!(codec_ & (zip | blosc))) return skip(bytes);
-        const auto length = number<std::int64_t>(codec_ & blosc ? std::nullopt : std::optional(Part::chunk_length));
+        const auto length =
+            number<std::int64_t>(codec_ & blosc ? std::nullopt : std::optional(Part::chunk_length));
         skip(length > 0 ? static_cast<std::size_t>(length) : bytes);
     }
 
@@ -183,14 +192,16 @@ private:
         }
     }
 
-    /// Chunks of blosc, wherever they are: a length, and behind it blosc's header, which repeats it.
+    /// Chunks of blosc, wherever they are: a length, and behind it blosc's header, which repeats
+    /// it.
     void chunks() {
         constexpr std::size_t length_in_header = 12;
         constexpr char version_of_format = 2;
         for (std::size_t at = 0; at + sizeof(std::int64_t) + blosc_header <= file_.size(); ++at) {
             const auto length = number_at<std::int64_t>(file_, at);
             const auto header = at + sizeof(std::int64_t);
-            if (length < static_cast<std::int64_t>(blosc_header) || file_[header] != version_of_format ||
+            if (length < static_cast<std::int64_t>(blosc_header) ||
+                file_[header] != version_of_format ||
                 length != number_at<std::uint32_t>(file_, header + length_in_header))
                 continue;
             places.push_back({Part::chunk_length, at, sizeof(std::int64_t)});
@@ -209,7 +220,8 @@ private:
 
 std::vector<Place> vdb_places(const std::string& file) { return Walk(file).places; }
 
-std::string spliced(std::string file, const std::vector<Place>& places, std::size_t at, std::size_t size, const std::string& bytes) {
+std::string spliced(std::string file, const std::vector<Place>& places, std::size_t at,
+                    std::size_t size, const std::string& bytes) {
     const auto by = static_cast<std::int64_t>(bytes.size()) - static_cast<std::int64_t>(size);
     for (const auto& place : places) {
         if (place.part != Part::grid_position) continue;

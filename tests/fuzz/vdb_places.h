@@ -38,13 +38,14 @@ struct Place {
     std::size_t size = 0;  ///< bytes; of texts, without the length before them
 };
 
-/// The places of a sound VDB file of version 222 or later: of its header, its grids' headers and topologies, the attributes of points, and
-/// of all chunks that blosc compressed.
+/// The places of a sound VDB file of version 222 or later: of its header, its grids' headers and
+/// topologies, the attributes of points, and of all chunks that blosc compressed.
 /// @throws std::out_of_range if the file is not sound
 std::vector<Place> vdb_places(const std::string& file);
 
 /// The file with bytes replaced, and the positions of its grids moved by as much.
 /// @param places  those of `file`
-std::string spliced(std::string file, const std::vector<Place>& places, std::size_t at, std::size_t size, const std::string& bytes);
+std::string spliced(std::string file, const std::vector<Place>& places, std::size_t at,
+                    std::size_t size, const std::string& bytes);
 
 }  // namespace fuzz

@@ -1,7 +1,6 @@
-#include "graph/confinement.h"
-
-#include "graph/input_file.h"
-#include "graph/output_file.h"
+#include "formats/file/confinement.h"
+#include "formats/file/input_file.h"
+#include "formats/file/output_file.h"
 #include "tests/support/scratch.h"
 
 #include <catch2/catch.hpp>
@@ -25,13 +24,18 @@ struct Places {
         scratch.write("in/a", "");
         scratch.write("out/a", "");
     }
-    void link(const std::string& name, const std::string& to) const { fs::create_symlink(to, scratch / name); }
-    bool allows(const std::string& path) const { return Confinement({scratch / "in"}).refusal(path).empty(); }
+    void link(const std::string& name, const std::string& to) const {
+        fs::create_symlink(to, scratch / name);
+    }
+    bool allows(const std::string& path) const {
+        return Confinement({scratch / "in"}).refusal(path).empty();
+    }
 
     Scratch scratch;
 };
 
-/// Whether a call is refused in a process that is confined to a folder: for good, so that it must be another one.
+/// Whether a call is refused in a process that is confined to a folder: for good, so that it must
+/// be another one.
 bool refused_within(const std::string& folder, const std::function<void()>& call) {
     const auto child = fork();
     if (child == 0) {
@@ -40,7 +44,9 @@ bool refused_within(const std::string& folder, const std::function<void()>& call
             call();
             _exit(0);
         } catch (const Failure& failure) {
-            _exit(std::string(failure.what()).find("outside of --confine") != std::string::npos ? 1 : 2);
+            _exit(std::string(failure.what()).find("outside of --confine") != std::string::npos
+                      ? 1
+                      : 2);
         }
     }
     int status = 0;
@@ -59,15 +65,18 @@ TEST_CASE("without folders everything is allowed") {
 
 TEST_CASE("what lies in a folder is allowed, there or not yet, and nothing beside it") {
     const Places at;
-    for (const auto* const path : {"in/a", "in", "in/", "in/sub/../a", "in/new/deep/a", "in//a", "out/../in/a"}) {
+    for (const auto* const path :
+         {"in/a", "in", "in/", "in/sub/../a", "in/new/deep/a", "in//a", "out/../in/a"}) {
         INFO(path);
         CHECK(at.allows(at.scratch / path));
     }
-    for (const auto* const path : {"out/a", "in2/a", "in/../out/a", "in/new/../../out/a", "", "new", "in/../in2/new"}) {
+    for (const auto* const path :
+         {"out/a", "in2/a", "in/../out/a", "in/new/../../out/a", "", "new", "in/../in2/new"}) {
         INFO(path);
         CHECK_FALSE(at.allows(at.scratch / path));
     }
-    CHECK(Confinement({at.scratch / "in", at.scratch / "out"}).refusal(at.scratch / "out/a").empty());
+    CHECK(
+        Confinement({at.scratch / "in", at.scratch / "out"}).refusal(at.scratch / "out/a").empty());
     CHECK(Confinement({"/"}).refusal("/etc/passwd").empty());
     CHECK(Confinement({"."}).refusal("some/file").empty());
     CHECK_FALSE(Confinement({"."}).refusal("../file").empty());
@@ -82,7 +91,8 @@ TEST_CASE("links are followed, of files and folders, also to what is not there y
     at.link("in/second", "sub/../../out/a");
     at.link("in/around", "around");
     for (const auto* const path :
-         {"in/file", "in/folder/a", "in/folder/new", "in/folder/../in/a/../../out/a", "in/dangling", "in/dangling/a", "in/first", "in/around"}) {
+         {"in/file", "in/folder/a", "in/folder/new", "in/folder/../in/a/../../out/a", "in/dangling",
+          "in/dangling/a", "in/first", "in/around"}) {
         INFO(path);
         CHECK_FALSE(at.allows(at.scratch / path));
     }
@@ -99,7 +109,8 @@ TEST_CASE("a refusal names the place, the folders and the remedy") {
     at.link("in/file", at.scratch / "out/a");
     const auto root = fs::canonical(at.scratch.path()).string();
     CHECK(Confinement({at.scratch / "in", at.scratch / "in2"}).refusal(at.scratch / "in/file") ==
-          "leads to " + root + "/out/a, outside of --confine (" + root + "/in, " + root + "/in2); move it there, or name its folder by another --confine");
+          "leads to " + root + "/out/a, outside of --confine (" + root + "/in, " + root +
+              "/in2); move it there, or name its folder by another --confine");
 }
 
 TEST_CASE("an open file is judged by where it lies") {
@@ -126,13 +137,17 @@ TEST_CASE("a confined process opens files within its folder only") {
     at.link("in/file", at.scratch / "out/a");
     at.link("in/folder", at.scratch / "out");
     const auto reads = [&](const std::string& path, bool anywhere = false) {
-        return !refused_within(at.scratch / "in", [&] { InputFile(path, {.what = "a song", .anywhere = anywhere}).whole(); });
+        return !refused_within(at.scratch / "in", [&] {
+            InputFile(path, {.what = "a song", .anywhere = anywhere}).whole();
+        });
     };
     CHECK(reads(at.scratch / "in/a"));
     CHECK_FALSE(reads(at.scratch / "out/a"));
     CHECK_FALSE(reads(at.scratch / "in/file"));
     CHECK(reads(at.scratch / "out/a", true));
-    const auto writes = [&](const std::string& path) { return !refused_within(at.scratch / "in", [&] { OutputFile::write(path, "text"); }); };
+    const auto writes = [&](const std::string& path) {
+        return !refused_within(at.scratch / "in", [&] { OutputFile::write(path, "text"); });
+    };
     CHECK(writes(at.scratch / "in/b"));
     CHECK(writes(at.scratch / "in/new/b"));
     CHECK_FALSE(writes(at.scratch / "out/b"));

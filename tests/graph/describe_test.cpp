@@ -16,7 +16,8 @@ enum class Mode { soft, hard };
 
 template <>
 struct fluidcarve::ChoiceNames<Mode> {
-    static constexpr std::array names = {std::pair{"soft", Mode::soft}, std::pair{"hard", Mode::hard}};
+    static constexpr std::array names = {std::pair{"soft", Mode::soft},
+                                         std::pair{"hard", Mode::hard}};
 };
 
 namespace {
@@ -66,25 +67,30 @@ Registry toys() {
     Registry out;
     out.add(payload_type<Water>("water", "Wet.", [](const Water&) { return 1; }));
     out.add(payload_type<Stone>("stone", "Hard.", [](const Stone&) { return 1; }));
-    out.add(conversion<Water, Stone>([](const Ref<Water>&) { return std::make_shared<const Stone>(); }));
+    out.add(conversion<Water, Stone>(
+        [](const Ref<Water>&) { return std::make_shared<const Stone>(); }));
+    out.add(NodeType(Declare<Well>("source.well", "Water from the ground. It may run dry.")
+                         .required("path", &Well::Params::path, "Where the well is.")
+                         .output("water", &Well::Ports::water, "Clear water.")
+                         .outputs_from("path", &Well::Ports::more, [](const Well::Params&) {
+                             return std::vector<std::pair<std::string, std::type_index>>();
+                         })));
     out.add(
-        NodeType(Declare<Well>("source.well", "Water from the ground. It may run dry.")
-                     .required("path", &Well::Params::path, "Where the well is.")
-                     .output("water", &Well::Ports::water, "Clear water.")
-                     .outputs_from("path", &Well::Ports::more, [](const Well::Params&) { return std::vector<std::pair<std::string, std::type_index>>(); })));
-    out.add(NodeType(Declare<Mix>("water.mix", "Several waters in one.")
-                         .input("terms", &Mix::Ports::terms, "What is mixed.")
-                         .input("mask", &Mix::Ports::mask, "Where it is mixed.")
-                         .input("inputs", &Mix::Ports::inputs, "Waters with names.")
-                         .param("gain", &Mix::Params::gain, Unit::per_world, between(0, 4), "Multiplier on the result.")
-                         .param("range", &Mix::Params::range, "Of the result.")
-                         .param("mode", &Mix::Params::mode, "How it is mixed; a | b.")
-                         .param("up", &Mix::Params::up, "Away from the ground.")
-                         .param("note", &Mix::Params::note, "For people.")
-                         .required("count", &Mix::Params::count, Unit::seams, any_number(), "How many.")
-                         .output("out", &Mix::Ports::out, "The mixture.")));
-    out.add(NodeType(
-        Declare<Dam>("water.dam", "Holds all water back.").input("water", &Dam::Ports::water, "Water.").output("wall", &Dam::Ports::wall, "The wall.")));
+        NodeType(Declare<Mix>("water.mix", "Several waters in one.")
+                     .input("terms", &Mix::Ports::terms, "What is mixed.")
+                     .input("mask", &Mix::Ports::mask, "Where it is mixed.")
+                     .input("inputs", &Mix::Ports::inputs, "Waters with names.")
+                     .param("gain", &Mix::Params::gain, Unit::per_world, between(0, 4),
+                            "Multiplier on the result.")
+                     .param("range", &Mix::Params::range, "Of the result.")
+                     .param("mode", &Mix::Params::mode, "How it is mixed; a | b.")
+                     .param("up", &Mix::Params::up, "Away from the ground.")
+                     .param("note", &Mix::Params::note, "For people.")
+                     .required("count", &Mix::Params::count, Unit::seams, any_number(), "How many.")
+                     .output("out", &Mix::Ports::out, "The mixture.")));
+    out.add(NodeType(Declare<Dam>("water.dam", "Holds all water back.")
+                         .input("water", &Dam::Ports::water, "Water.")
+                         .output("wall", &Dam::Ports::wall, "The wall.")));
     return out;
 }
 
@@ -142,8 +148,11 @@ example
 
 TEST_CASE("outputs that come once and outputs that a parameter names are told") {
     const auto registry = toys();
-    CHECK_THAT(describe(registry, *registry.node("water.dam")), Catch::Contains("wall: stone; once for the whole sequence"));
-    CHECK_THAT(describe(registry, *registry.node("source.well")), Catch::Contains("One more output for each entry of 'path', with the entry's name and type."));
+    CHECK_THAT(describe(registry, *registry.node("water.dam")),
+               Catch::Contains("wall: stone; once for the whole sequence"));
+    CHECK_THAT(describe(registry, *registry.node("source.well")),
+               Catch::Contains(
+                   "One more output for each entry of 'path', with the entry's name and type."));
 }
 
 TEST_CASE("long docs are wrapped") {
@@ -153,22 +162,30 @@ TEST_CASE("long docs are wrapped") {
     for (int n = 0; n < 60; ++n) type.doc += (n ? " " : "") + std::string("word");
     const auto text = describe(registry, type);
     std::size_t begin = 0;
-    for (auto end = text.find('\n'); end != std::string::npos; begin = end + 1, end = text.find('\n', begin)) CHECK(end - begin <= 100);
+    for (auto end = text.find('\n'); end != std::string::npos;
+         begin = end + 1, end = text.find('\n', begin))
+        CHECK(end - begin <= 100);
     CHECK_THAT(text, Catch::Contains("word word\n  word word"));
 }
 
 TEST_CASE("the Markdown reference has every node, port, parameter and travelling type") {
     const auto text = to_markdown(toys());
     for (const auto* part :
-         {"## water\n", "### water.mix\n", "- [water](#water)", "  - [water.mix](#watermix): Several waters in one.",
-          "| `terms` | one or a list, each water | What is mixed. |", "| `gain` | a number, from 0 to 4 | 1/world unit | `1.5` | Multiplier on the result. |",
+         {"## water\n", "### water.mix\n", "- [water](#water)",
+          "  - [water.mix](#watermix): Several waters in one.",
+          "| `terms` | one or a list, each water | What is mixed. |",
+          "| `gain` | a number, from 0 to 4 | 1/world unit | `1.5` | Multiplier on the result. |",
           "| `mode` | one of soft, hard |   | `hard` | How it is mixed; a \\| b. |",
-          "| `count` | a whole number of seams or a percentage such as -10% | seams | required | How many. |",
-          "| `wall` | stone; once for the whole sequence | The wall. |", "| stone | Hard. |", "```yaml\nwell:\n  type: source.well\n"})
+          "| `count` | a whole number of seams or a percentage such as -10% | seams | required | "
+          "How many. |",
+          "| `wall` | stone; once for the whole sequence | The wall. |", "| stone | Hard. |",
+          "```yaml\nwell:\n  type: source.well\n"})
         CHECK_THAT(text, Catch::Contains(part));
     CHECK_THAT(text, Catch::Contains(to_markdown(toys(), *toys().node("water.dam"))));
     for (const auto& field : common_fields)
-        if (field.name != "type") CHECK_THAT(text.substr(0, text.find("## water")), Catch::Contains("`" + std::string(field.name)));
+        if (field.name != "type")
+            CHECK_THAT(text.substr(0, text.find("## water")),
+                       Catch::Contains("`" + std::string(field.name)));
 }
 
 TEST_CASE("the JSON reference has every field") {
@@ -176,8 +193,10 @@ TEST_CASE("the JSON reference has every field") {
     REQUIRE(all["nodes"].size() == 3);
     const auto& mix = all["nodes"][2];
     CHECK(mix["name"] == "water.mix");
-    CHECK(mix["inputs"][1] ==
-          Json::parse(R"({"name": "mask", "type": "stone", "accepts": ["water", "stone"], "arity": "optional", "doc": "Where it is mixed."})"));
+    CHECK(
+        mix["inputs"][1] ==
+        Json::parse(
+            R"({"name": "mask", "type": "stone", "accepts": ["water", "stone"], "arity": "optional", "doc": "Where it is mixed."})"));
     CHECK(
         mix["params"][0] ==
         Json::parse(
@@ -202,14 +221,18 @@ TEST_CASE("the schema knows each node type's fields, forms and defaults") {
     CHECK(mix["additionalProperties"] == false);
     CHECK(mix["properties"].size() == 12);
     CHECK(mix["properties"]["gain"]["default"] == 1.5);
-    CHECK(mix["properties"]["gain"]["description"] == "Multiplier on the result. Unit: 1/world unit. Default: 1.5.");
-    CHECK(mix["properties"]["gain"]["anyOf"][0]["anyOf"][0] == Json::parse(R"({"type": "number", "minimum": 0.0, "maximum": 4.0})"));
+    CHECK(mix["properties"]["gain"]["description"] ==
+          "Multiplier on the result. Unit: 1/world unit. Default: 1.5.");
+    CHECK(mix["properties"]["gain"]["anyOf"][0]["anyOf"][0] ==
+          Json::parse(R"({"type": "number", "minimum": 0.0, "maximum": 4.0})"));
     CHECK(mix["properties"]["up"]["default"] == Json::parse("[0, 0, 1]"));
     CHECK(mix["properties"]["range"]["default"] == "auto");
     CHECK_FALSE(mix["properties"]["count"].contains("default"));
     CHECK(mix["properties"]["mask"]["description"] == "Where it is mixed. Takes stone or water.");
-    CHECK(definitions["node"]["properties"]["type"]["enum"] == Json::parse(R"(["source.well", "water.dam", "water.mix"])"));
-    CHECK(definitions["node"]["allOf"][2]["then"]["allOf"][1]["required"] == Json::parse(R"(["type", "terms", "inputs", "count"])"));
+    CHECK(definitions["node"]["properties"]["type"]["enum"] ==
+          Json::parse(R"(["source.well", "water.dam", "water.mix"])"));
+    CHECK(definitions["node"]["allOf"][2]["then"]["allOf"][1]["required"] ==
+          Json::parse(R"(["type", "terms", "inputs", "count"])"));
     CHECK_FALSE(definitions["node_change"].contains("required"));
 }
 

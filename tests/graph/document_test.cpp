@@ -22,11 +22,13 @@ struct Read {
     }
 };
 
-Read read(const Scratch& scratch, const std::string& yaml, const std::vector<std::string>& settings = {}) {
+Read read(const Scratch& scratch, const std::string& yaml,
+          const std::vector<std::string>& settings = {}) {
     Problems problems_of;
     Read out{read_document(scratch.write("p.yaml", yaml), settings, problems_of), {}};
     out.text = to_text(problems_of);
-    for (std::size_t at; (at = out.text.find(scratch.path() + "/")) != std::string::npos;) out.text.erase(at, scratch.path().size() + 1);
+    for (std::size_t at; (at = out.text.find(scratch.path() + "/")) != std::string::npos;)
+        out.text.erase(at, scratch.path().size() + 1);
     return out;
 }
 
@@ -50,10 +52,14 @@ nodes:
 
 TEST_CASE("what a param holds is not replaced again") {
     setenv("FLUIDCARVE_TEST_SHOT", "${other}", 1);
-    const auto out = read(Scratch(), "fluidcarve: 1\nenv: [FLUIDCARVE_TEST_SHOT]\nnodes:\n  a: {type: x, f: \"${FLUIDCARVE_TEST_SHOT}\"}\n");
-    const auto over_param = read(Scratch(),
-                                 "fluidcarve: 1\nenv: [FLUIDCARVE_TEST_SHOT]\nparams:\n  FLUIDCARVE_TEST_SHOT: {type: string, default: a}\nnodes:\n  a: {type: "
-                                 "x, f: \"${FLUIDCARVE_TEST_SHOT}\"}\n");
+    const auto out = read(Scratch(),
+                          "fluidcarve: 1\nenv: [FLUIDCARVE_TEST_SHOT]\nnodes:\n  a: {type: x, f: "
+                          "\"${FLUIDCARVE_TEST_SHOT}\"}\n");
+    const auto over_param =
+        read(Scratch(),
+             "fluidcarve: 1\nenv: [FLUIDCARVE_TEST_SHOT]\nparams:\n  FLUIDCARVE_TEST_SHOT: {type: "
+             "string, default: a}\nnodes:\n  a: {type: "
+             "x, f: \"${FLUIDCARVE_TEST_SHOT}\"}\n");
     unsetenv("FLUIDCARVE_TEST_SHOT");
     CHECK(out.text == "");
     CHECK(out.field("a", "f") == "${other}");
@@ -96,14 +102,20 @@ nodes:
     CHECK(read(scratch, file, {"depth=4", "a.one=set"}).field("a", "depth") == "4");
     CHECK(read(scratch, file, {"depth=4", "a.one=set"}).field("a", "one") == "set");
     setenv("depth", "300", 1);
-    CHECK(read(scratch, file).text == "environment variable depth:1:1: param 'depth' must be at most 100, not 300\n300\n^\n");
+    CHECK(read(scratch, file).text ==
+          "environment variable depth:1:1: param 'depth' must be at most 100, not 300\n300\n^\n");
     unsetenv("depth");
 }
 
 TEST_CASE("the frames are set like a param, unless a param has their name") {
     const std::string nodes = "nodes:\n  a: {type: x, f: \"${frames}\"}\n";
-    CHECK(read(Scratch(), "fluidcarve: 1\nframes: 1-3\nnodes:\n  a: {type: x}\n", {"frames=1001-1084"}).document.frames.text == "1001-1084");
-    const auto param = read(Scratch(), "fluidcarve: 1\nframes: 1-3\nparams:\n  frames: {type: int, default: 1}\n" + nodes, {"frames=7"});
+    CHECK(read(Scratch(), "fluidcarve: 1\nframes: 1-3\nnodes:\n  a: {type: x}\n",
+               {"frames=1001-1084"})
+              .document.frames.text == "1001-1084");
+    const auto param =
+        read(Scratch(),
+             "fluidcarve: 1\nframes: 1-3\nparams:\n  frames: {type: int, default: 1}\n" + nodes,
+             {"frames=7"});
     CHECK(param.document.frames.text == "1-3");
     CHECK(param.field("a", "f") == "7");
 }
@@ -111,10 +123,12 @@ TEST_CASE("the frames are set like a param, unless a param has their name") {
 TEST_CASE("extended files that are missing, or extend each other in a circle, are named") {
     const Scratch scratch;
     CHECK(read(scratch, "fluidcarve: 1\nextends: nowhere.yaml\n").text ==
-          "p.yaml:2:10: cannot read nowhere.yaml: it does not exist\nextends: nowhere.yaml\n         ^\n");
+          "p.yaml:2:10: cannot read nowhere.yaml: it does not exist\nextends: nowhere.yaml\n       "
+          "  ^\n");
     scratch.write("q.yaml", "fluidcarve: 1\nextends: p.yaml\n");
     CHECK(read(scratch, "fluidcarve: 1\nextends: q.yaml\n").text ==
-          "q.yaml:2:10: p.yaml extends itself, directly or through others\nextends: p.yaml\n         ^\n");
+          "q.yaml:2:10: p.yaml extends itself, directly or through others\nextends: p.yaml\n       "
+          "  ^\n");
 }
 
 TEST_CASE("an extended file that is no pipeline is named, and nothing of it is shown") {
@@ -132,10 +146,14 @@ TEST_CASE("an extended file that is no pipeline is named, and nothing of it is s
     CHECK(told("fluidcarve: hunter2\n") == "secret.yml: " + no_pipeline);
     CHECK(told("") == "secret.yml: " + no_pipeline);
     CHECK(told("hunter2: 1\nhunter2: 2\n") == "secret.yml: " + no_pipeline);
-    CHECK(told("fluidcarve: 1\npassword: [hunter2\n") == "secret.yml:3:1: no pipeline: it does not parse here\n" + here);
+    CHECK(told("fluidcarve: 1\npassword: [hunter2\n") ==
+          "secret.yml:3:1: no pipeline: it does not parse here\n" + here);
     CHECK(told("a: *hunter2\n") == "secret.yml:1:4: no pipeline: it does not parse here\n" + here);
-    CHECK(told(std::string("hunter2\0", 8)) == "secret.yml: no pipeline: binary data: a pipeline is a text in UTF-8\n" + here);
-    CHECK(told("fluidcarve: 1\nnoodles: 1\n") == "secret.yml:2:1: a pipeline has no field 'noodles'; did you mean 'nodes'?\nnoodles: 1\n^\n");
+    CHECK(told(std::string("hunter2\0", 8)) ==
+          "secret.yml: no pipeline: binary data: a pipeline is a text in UTF-8\n" + here);
+    CHECK(told("fluidcarve: 1\nnoodles: 1\n") ==
+          "secret.yml:2:1: a pipeline has no field 'noodles'; did you mean 'nodes'?\nnoodles: "
+          "1\n^\n");
 }
 
 TEST_CASE("a file that extends another may leave the format's version to that") {
@@ -147,26 +165,38 @@ TEST_CASE("a file that extends another may leave the format's version to that") 
     CHECK(out.field("a", "one") == "file");
     CHECK(out.field("a", "two") == "middle");
     CHECK(read(scratch, "fluidcarve: 2\nextends: base.yaml\n").text ==
-          "p.yaml:1:13: format version '2' is unknown; this program reads version 1\nfluidcarve: 2\n            ^\n");
+          "p.yaml:1:13: format version '2' is unknown; this program reads version 1\nfluidcarve: "
+          "2\n            ^\n");
     scratch.write("base.yaml", "nodes:\n  a: {type: x}\n");
     CHECK(read(scratch, "extends: base.yaml\n").text ==
-          "base.yaml: no pipeline: it does not state 'fluidcarve: 1'\np.yaml:1:10: it is extended here\nextends: base.yaml\n         ^\n");
+          "base.yaml: no pipeline: it does not state 'fluidcarve: 1'\np.yaml:1:10: it is extended "
+          "here\nextends: base.yaml\n         ^\n");
 }
 
 TEST_CASE("a file that is no pipeline is refused in words") {
-    CHECK(problems_of("") == "p.yaml: the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'\n");
-    CHECK(problems_of("- a\n- b\n") == "p.yaml:1:1: a pipeline is a map with 'fluidcarve: 1' and 'nodes:', not a list of 2\n- a\n^\n");
-    CHECK(problems_of("nodes:\n  a: {type: x}\n") == "p.yaml: the format version is missing: the file must state 'fluidcarve: 1'\n");
+    CHECK(problems_of("") ==
+          "p.yaml: the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'\n");
+    CHECK(problems_of("- a\n- b\n") ==
+          "p.yaml:1:1: a pipeline is a map with 'fluidcarve: 1' and 'nodes:', not a list of 2\n- "
+          "a\n^\n");
+    CHECK(problems_of("nodes:\n  a: {type: x}\n") ==
+          "p.yaml: the format version is missing: the file must state 'fluidcarve: 1'\n");
     CHECK(problems_of("fluidcarve: 2\nnodes:\n  a: {type: x}\n") ==
-          "p.yaml:1:13: format version '2' is unknown; this program reads version 1\nfluidcarve: 2\n            ^\n");
-    CHECK(problems_of("fluidcarve: 1\nnode:\n  a: {type: x}\n") == "p.yaml:2:1: a pipeline has no field 'node'; did you mean 'nodes'?\nnode:\n^\n");
+          "p.yaml:1:13: format version '2' is unknown; this program reads version 1\nfluidcarve: "
+          "2\n            ^\n");
+    CHECK(problems_of("fluidcarve: 1\nnode:\n  a: {type: x}\n") ==
+          "p.yaml:2:1: a pipeline has no field 'node'; did you mean 'nodes'?\nnode:\n^\n");
     CHECK(problems_of("fluidcarve: 1\n") == "p.yaml: the pipeline has no nodes\n");
-    CHECK(problems_of("fluidcarve: 1\nnodes:\n") == "p.yaml:2:1: 'nodes' must be a map, not nothing\nnodes:\n^\n");
-    CHECK(problems_of(std::string("a\0b", 3)) == "p.yaml: binary data: a pipeline is a text in UTF-8\n");
+    CHECK(problems_of("fluidcarve: 1\nnodes:\n") ==
+          "p.yaml:2:1: 'nodes' must be a map, not nothing\nnodes:\n^\n");
+    CHECK(problems_of(std::string("a\0b", 3)) ==
+          "p.yaml: binary data: a pipeline is a text in UTF-8\n");
     CHECK(problems_of("Dear all,\nplease find attached the pipeline that I told you about\n") ==
-          "p.yaml:1:1: a pipeline is a map with 'fluidcarve: 1' and 'nodes:', not 'Dear all, please find attached the pipeline that I told you ...'\n"
+          "p.yaml:1:1: a pipeline is a map with 'fluidcarve: 1' and 'nodes:', not 'Dear all, "
+          "please find attached the pipeline that I told you ...'\n"
           "Dear all,\n^\n");
-    CHECK(problems_of("  # a comment\n---\n") == "p.yaml: the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'\n");
+    CHECK(problems_of("  # a comment\n---\n") ==
+          "p.yaml: the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'\n");
 }
 
 TEST_CASE("a folder or a missing file is named, and nothing else is wrong with it") {
@@ -177,16 +207,19 @@ TEST_CASE("a folder or a missing file is named, and nothing else is wrong with i
         return to_text(problems_of);
     };
     CHECK(refusal(scratch.path()) == "cannot read " + scratch.path() + ": it is a folder\n");
-    CHECK(refusal(scratch / "none.yaml") == "cannot read " + scratch / "none.yaml" + ": it does not exist\n");
+    CHECK(refusal(scratch / "none.yaml") ==
+          "cannot read " + scratch / "none.yaml" + ": it does not exist\n");
     CHECK(refusal(scratch.write("empty.yaml", "")) ==
-          scratch / "empty.yaml" + ": the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'\n");
+          scratch / "empty.yaml" +
+              ": the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'\n");
 }
 
 TEST_CASE("a pipe or a device is no pipeline, and keeps nobody waiting") {
     const Scratch scratch;
     const auto pipe = scratch / "pipe.yaml";
     REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
-    const std::string refused = ": it is a pipe or a device; a pipeline is read from a regular file\n";
+    const std::string refused =
+        ": it is a pipe or a device; a pipeline is read from a regular file\n";
     for (const auto& path : {pipe, std::string("/dev/zero")}) {
         Problems problems_of;
         read_document(path, {}, problems_of);
@@ -197,7 +230,8 @@ TEST_CASE("a pipe or a device is no pipeline, and keeps nobody waiting") {
     for (const std::string name : {"pipe.yaml", "zero.yaml"})
         CHECK(read(scratch, "fluidcarve: 1\nextends: " + name + "\n").text ==
               "p.yaml:2:10: cannot read " + name + refused + "extends: " + name + "\n         ^\n");
-    CHECK(read(scratch, "fluidcarve: 1\nextends: folder\n").text == "p.yaml:2:10: cannot read folder: it is a folder\nextends: folder\n         ^\n");
+    CHECK(read(scratch, "fluidcarve: 1\nextends: folder\n").text ==
+          "p.yaml:2:10: cannot read folder: it is a folder\nextends: folder\n         ^\n");
 }
 
 TEST_CASE("a file of any size is refused by its limit, and not read to its end") {
@@ -211,14 +245,17 @@ TEST_CASE("a file of any size is refused by its limit, and not read to its end")
 
 TEST_CASE("what a user wrote can't command a terminal or break a message's lines") {
     CHECK(problems_of("fluidcarve: 1\n\"node\\nx\": 1\nnodes:\n  a: {type: x}\n") ==
-          "p.yaml:2:1: a pipeline has no field 'node x'; did you mean 'nodes'?\n\"node\\nx\": 1\n^\n");
+          "p.yaml:2:1: a pipeline has no field 'node x'; did you mean 'nodes'?\n\"node\\nx\": "
+          "1\n^\n");
     CHECK_THAT(problems_of("fluidcarve: 1\n\"no\\e[31mde\\nx\": 1\nnodes:\n  a: {type: x}\n"),
-               Catch::StartsWith("p.yaml:2:1: the text holds the control character 0x1b, which no name, path or program may: leave it out\n"));
+               Catch::StartsWith("p.yaml:2:1: the text holds the control character 0x1b, which no "
+                                 "name, path or program may: leave it out\n"));
 }
 
 TEST_CASE("a frame set that was left empty is not taken for one frame") {
     CHECK(problems_of("fluidcarve: 1\nframes:\nnodes:\n  a: {type: x}\n") ==
-          "p.yaml:2:1: 'frames' has no value; name frames such as 1001-1084, or leave the field out for a single one\nframes:\n^\n");
+          "p.yaml:2:1: 'frames' has no value; name frames such as 1001-1084, or leave the field "
+          "out for a single one\nframes:\n^\n");
     const Scratch scratch;
     scratch.write("base.yaml", "fluidcarve: 1\nframes: 1-5\nnodes:\n  a: {type: x}\n");
     const auto out = read(scratch, "fluidcarve: 1\nextends: base.yaml\nframes:\n");
@@ -228,51 +265,73 @@ TEST_CASE("a frame set that was left empty is not taken for one frame") {
 
 TEST_CASE("params are checked against their declaration") {
     CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {default: 1}\nnodes:\n  a: {type: x}\n") ==
-          "p.yaml:3:3: param 'n' needs a type: bool, int, float, vector, string, path or count\n  n: {default: 1}\n  ^\n");
-    CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: int, default: 1.5}\nnodes:\n  a: {type: x}\n") ==
-          "p.yaml:3:27: param 'n' must be a whole number, not '1.5'\n  n: {type: int, default: 1.5}\n                          ^\n");
-    CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: flaot, default: 1}\nnodes:\n  a: {type: x}\n") ==
-          "p.yaml:3:13: param 'n' has no type 'flaot'; did you mean 'float'?\n  n: {type: flaot, default: 1}\n            ^\n");
+          "p.yaml:3:3: param 'n' needs a type: bool, int, float, vector, string, path or count\n  "
+          "n: {default: 1}\n  ^\n");
+    CHECK(problems_of(
+              "fluidcarve: 1\nparams:\n  n: {type: int, default: 1.5}\nnodes:\n  a: {type: x}\n") ==
+          "p.yaml:3:27: param 'n' must be a whole number, not '1.5'\n  n: {type: int, default: "
+          "1.5}\n                          ^\n");
+    CHECK(problems_of(
+              "fluidcarve: 1\nparams:\n  n: {type: flaot, default: 1}\nnodes:\n  a: {type: x}\n") ==
+          "p.yaml:3:13: param 'n' has no type 'flaot'; did you mean 'float'?\n  n: {type: flaot, "
+          "default: 1}\n            ^\n");
     CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: int}\nnodes:\n  a: {type: x}\n") ==
-          "p.yaml:3:3: param 'n' has no value; give it a default or --set n=...\n  n: {type: int}\n  ^\n");
+          "p.yaml:3:3: param 'n' has no value; give it a default or --set n=...\n  n: {type: "
+          "int}\n  ^\n");
     CHECK(
-        problems_of("fluidcarve: 1\nparams:\n  n: {type: count, default: 12x}\nnodes:\n  a: {type: x}\n") ==
-        "p.yaml:3:29: param 'n' must be a whole number of seams or a percentage such as -10%, not '12x'\n  n: {type: count, default: 12x}\n                    "
+        problems_of(
+            "fluidcarve: 1\nparams:\n  n: {type: count, default: 12x}\nnodes:\n  a: {type: x}\n") ==
+        "p.yaml:3:29: param 'n' must be a whole number of seams or a percentage such as -10%, not "
+        "'12x'\n  n: {type: count, default: 12x}\n                    "
         "        ^\n");
     for (const std::string bad : {"+-5", "%", "nan", "inf%", "1.5", "1e999", "0x10", "5 %"})
-        CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: count, default: \"" + bad + "\"}\nnodes:\n  a: {type: x}\n") ==
-              "p.yaml:3:29: param 'n' must be a whole number of seams or a percentage such as -10%, not '" + bad + "'\n  n: {type: count, default: \"" + bad +
+        CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: count, default: \"" + bad +
+                          "\"}\nnodes:\n  a: {type: x}\n") ==
+              "p.yaml:3:29: param 'n' must be a whole number of seams or a percentage such as "
+              "-10%, not '" +
+                  bad + "'\n  n: {type: count, default: \"" + bad +
                   "\"}\n                            ^\n");
     for (const std::string good : {"+5", "-5", "-12.5%", "+10%"})
-        CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: count, default: \"" + good + "\"}\nnodes:\n  a: {type: x}\n") == "");
+        CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: count, default: \"" + good +
+                          "\"}\nnodes:\n  a: {type: x}\n") == "");
 }
 
 TEST_CASE("an unknown or unset name in a value is named where it stands") {
-    CHECK(problems_of("fluidcarve: 1\nparams:\n  shot: {type: string, default: a}\nnodes:\n  a: {type: x, f: \"${shto}\"}\n") ==
-          "p.yaml:5:19: ${shto} is neither a param nor declared under 'env'; did you mean 'shot'?\n  a: {type: x, f: \"${shto}\"}\n                  ^\n");
-    CHECK(problems_of("fluidcarve: 1\nenv: [FLUIDCARVE_NOT_SET]\nnodes:\n  a: {type: x, f: \"${FLUIDCARVE_NOT_SET}\"}\n") ==
-          "p.yaml:4:19: the environment variable FLUIDCARVE_NOT_SET is not set\n  a: {type: x, f: \"${FLUIDCARVE_NOT_SET}\"}\n                  ^\n");
+    CHECK(problems_of("fluidcarve: 1\nparams:\n  shot: {type: string, default: a}\nnodes:\n  a: "
+                      "{type: x, f: \"${shto}\"}\n") ==
+          "p.yaml:5:19: ${shto} is neither a param nor declared under 'env'; did you mean "
+          "'shot'?\n  a: {type: x, f: \"${shto}\"}\n                  ^\n");
+    CHECK(problems_of("fluidcarve: 1\nenv: [FLUIDCARVE_NOT_SET]\nnodes:\n  a: {type: x, f: "
+                      "\"${FLUIDCARVE_NOT_SET}\"}\n") ==
+          "p.yaml:4:19: the environment variable FLUIDCARVE_NOT_SET is not set\n  a: {type: x, f: "
+          "\"${FLUIDCARVE_NOT_SET}\"}\n                  ^\n");
     CHECK(problems_of("fluidcarve: 1\nnodes:\n  a: {type: x, f: \"${shot\"}\n") ==
           "p.yaml:3:19: '${' has no '}'\n  a: {type: x, f: \"${shot\"}\n                  ^\n");
 }
 
 TEST_CASE("a small file never grows to a large text") {
-    const std::string long_text(400'000, 'x'), grows = "here the pipeline grows beyond 16 MiB of text";
+    const std::string long_text(400'000, 'x'),
+        grows = "here the pipeline grows beyond 16 MiB of text";
     std::string many;
     for (int n = 0; n < 60'000; ++n) many += "${a}";
-    const auto params = "fluidcarve: 1\nparams: {a: {type: string, default: " + long_text + "}}\nnodes:\n";
-    const auto inside = problems_of(params + "  one: {type: x, b: \"" + many + "\"}\n  two: {type: x, b: \"" + many + "\"}\n");
+    const auto params =
+        "fluidcarve: 1\nparams: {a: {type: string, default: " + long_text + "}}\nnodes:\n";
+    const auto inside = problems_of(params + "  one: {type: x, b: \"" + many +
+                                    "\"}\n  two: {type: x, b: \"" + many + "\"}\n");
     CHECK_THAT(inside, Catch::StartsWith("p.yaml:4:21: " + grows));
     CHECK(inside.find(grows) == inside.rfind(grows));
 
     std::string whole, aliases;
     for (int n = 0; n < 1000; ++n) whole += "\"${a}\", ", aliases += "*a, ";
-    CHECK_THAT(problems_of(params + "  one: {type: x, b: [" + whole + "]}\n"), Catch::StartsWith("p.yaml:4:") && Catch::Contains(grows));
-    CHECK_THAT(problems_of("fluidcarve: 1\nnodes:\n  one: {type: &a " + long_text + ", b: [" + aliases + "]}\n"),
+    CHECK_THAT(problems_of(params + "  one: {type: x, b: [" + whole + "]}\n"),
+               Catch::StartsWith("p.yaml:4:") && Catch::Contains(grows));
+    CHECK_THAT(problems_of("fluidcarve: 1\nnodes:\n  one: {type: &a " + long_text + ", b: [" +
+                           aliases + "]}\n"),
                Catch::StartsWith("p.yaml:3:") && Catch::Contains(grows));
     std::string many_aliases;
     for (int n = 0; n < 20'000; ++n) many_aliases += "*a, ";
-    CHECK_THAT(problems_of("fluidcarve: 1\nnodes:\n  one: {type: x, b: &a {" + std::string(1000, 'x') + ": 1}, c: [" + many_aliases + "]}\n"),
+    CHECK_THAT(problems_of("fluidcarve: 1\nnodes:\n  one: {type: x, b: &a {" +
+                           std::string(1000, 'x') + ": 1}, c: [" + many_aliases + "]}\n"),
                Catch::StartsWith("p.yaml:3:") && Catch::Contains(grows));
 
     const auto few = read(Scratch(), params + "  one: {type: x, b: \"${a}${a}\"}\n");
@@ -284,23 +343,29 @@ TEST_CASE("the text of all extended files counts together") {
     const Scratch scratch;
     std::string aliases;
     for (int n = 0; n < 24; ++n) aliases += "*a, ";
-    const auto large = "fluidcarve: 1\nparams:\n  p: {type: string, default: &a " + std::string(400'000, 'x') + ", doc: [" + aliases + "]}\n";
+    const auto large = "fluidcarve: 1\nparams:\n  p: {type: string, default: &a " +
+                       std::string(400'000, 'x') + ", doc: [" + aliases + "]}\n";
     CHECK_THAT(read(scratch, large).text, !Catch::Contains("16 MiB"));
     scratch.write("base.yaml", large);
-    CHECK_THAT(read(scratch, large + "extends: base.yaml\n").text, Catch::Contains("no pipeline: here the pipeline grows beyond 16 MiB of text"));
+    CHECK_THAT(read(scratch, large + "extends: base.yaml\n").text,
+               Catch::Contains("no pipeline: here the pipeline grows beyond 16 MiB of text"));
 }
 
 TEST_CASE("one name in one text is told once of, however often it is inserted") {
     std::string many;
     for (int n = 0; n < 1000; ++n) many += "${a}";
-    const auto out = read(Scratch(), "fluidcarve: 1\nparams: {a: {type: string, default: x}}\nnodes:\n  one: {type: x, b: \"" + many + "\"}\n");
+    const auto out = read(
+        Scratch(),
+        "fluidcarve: 1\nparams: {a: {type: string, default: x}}\nnodes:\n  one: {type: x, b: \"" +
+            many + "\"}\n");
     CHECK(out.document.insertions.size() == 1);
     CHECK(out.field("one", "b") == std::string(1000, 'x'));
 }
 
 TEST_CASE("the time to merge two files grows with their length, and not faster") {
     const Scratch scratch;
-    std::string base = "fluidcarve: 1\nparams:\n", over = "fluidcarve: 1\nextends: base.yaml\nparams:\n";
+    std::string base = "fluidcarve: 1\nparams:\n",
+                over = "fluidcarve: 1\nextends: base.yaml\nparams:\n";
     for (int n = 0; n < 45'000; ++n) {
         base += "  n" + std::to_string(n) + ": {}\n";
         over += "  n" + std::to_string(n) + ":\n";
@@ -312,6 +377,8 @@ TEST_CASE("the time to merge two files grows with their length, and not faster")
 }
 
 TEST_CASE("a path longer than any file's is refused") {
-    CHECK_THAT(problems_of("fluidcarve: 1\nparams: {a: {type: path, default: " + std::string(5000, 'x') + "}}\nnodes:\n  a: {type: x}\n"),
-               Catch::StartsWith("p.yaml:2:35: param 'a' has 5000 bytes; a path has at most 4095\n"));
+    CHECK_THAT(
+        problems_of("fluidcarve: 1\nparams: {a: {type: path, default: " + std::string(5000, 'x') +
+                    "}}\nnodes:\n  a: {type: x}\n"),
+        Catch::StartsWith("p.yaml:2:35: param 'a' has 5000 bytes; a path has at most 4095\n"));
 }

@@ -1,4 +1,5 @@
 #include "graph/views/drawing.h"
+#include "graph/types/node_type.h"
 #include "graph/views/layout.h"
 #include "tests/support/files/well_formed.h"
 
@@ -29,7 +30,8 @@ NodeType toy_type(const std::string& name) {
 }
 
 /// Nodes of one type; each pair of indices is a connection.
-Pipeline chain(const NodeType& type, std::size_t size, const std::vector<std::pair<std::size_t, std::size_t>>& edges) {
+Pipeline chain(const NodeType& type, std::size_t size,
+               const std::vector<std::pair<std::size_t, std::size_t>>& edges) {
     Pipeline out;
     out.name = "a<b>.yaml";
     for (std::size_t n = 0; n < size; ++n) {
@@ -65,9 +67,11 @@ TEST_CASE("the picture is well-formed and has every node and connection") {
     CHECK_FALSE(well_formed("<a><b></a>"));
     CHECK(count(svg, "<path class=\"edge\"") == 5);
     CHECK(count(svg, ">water.mix<") == 4);
-    for (const auto* part : {">n0<", ">n3<", "n0.out (water) -&gt; n3.in", "<title>a&lt;b&gt;.yaml</title>", "A &lt;toy&gt; &amp; more.",
-                             "class=\"node static\"", "class=\"node frame\"", "class=\"node sequence\"", "static: once", "sequence: once, after all frames",
-                             "frame: for every frame", "gathers all frames"})
+    for (const auto* part :
+         {">n0<", ">n3<", "n0.out (water) -&gt; n3.in", "<title>a&lt;b&gt;.yaml</title>",
+          "A &lt;toy&gt; &amp; more.", "class=\"node static\"", "class=\"node frame\"",
+          "class=\"node sequence\"", "static: once", "sequence: once, after all frames",
+          "frame: for every frame", "gathers all frames"})
         CHECK_THAT(svg, Catch::Contains(part));
 }
 
@@ -80,10 +84,12 @@ TEST_CASE("the legend explains only what the picture shows") {
 
 TEST_CASE("for a page each box has a class and a note of its own, and there is no legend") {
     const auto type = toy_type("water.mix");
-    const auto svg = to_svg(chain(type, 3, {{0, 1}, {1, 2}}), drawn_types(), {{"hot", "2 s"}, {"kept", "a < b"}, {"idle failed", "none"}});
+    const auto svg = to_svg(chain(type, 3, {{0, 1}, {1, 2}}), drawn_types(),
+                            {{"hot", "2 s"}, {"kept", "a < b"}, {"idle failed", "none"}});
     CHECK(well_formed(svg));
     for (const auto* part :
-         {"<g class=\"node hot\">", "<g class=\"node kept\">", "<g class=\"node idle failed\">", ">2 s<", ">a &lt; b<", ">n2<", "style=\"--width:"})
+         {"<g class=\"node hot\">", "<g class=\"node kept\">", "<g class=\"node idle failed\">",
+          ">2 s<", ">a &lt; b<", ">n2<", "style=\"--width:"})
         CHECK_THAT(svg, Catch::Contains(part));
     CHECK_THAT(svg, !Catch::Contains("for every frame") && !Catch::Contains("gathers all frames"));
 }
@@ -92,19 +98,35 @@ TEST_CASE("Graphviz text has every node and connection") {
     const auto type = toy_type("water.mix");
     const auto dot = to_dot(chain(type, 3, {{0, 1}, {1, 2}, {0, 2}}), drawn_types());
     CHECK(count(dot, " -> \"n") == 3);
-    for (const auto* part : {"digraph \"a<b>.yaml\" {\n", "\"n0\" [label=\"n0\\nwater.mix\", fillcolor=\"#d5dbe1\", penwidth=1", "penwidth=2.5",
-                             "    \"n0\" -> \"n2\" [tooltip=\"n0.out (water) -> n2.in\"];\n"})
+    for (const auto* part :
+         {"digraph \"a<b>.yaml\" {\n",
+          "\"n0\" [label=\"n0\\nwater.mix\", fillcolor=\"#d5dbe1\", penwidth=1", "penwidth=2.5",
+          "    \"n0\" -> \"n2\" [tooltip=\"n0.out (water) -> n2.in\"];\n"})
         CHECK_THAT(dot, Catch::Contains(part));
 }
 
 TEST_CASE("boxes stand in columns, apart, with every edge pointing right") {
     Layout layout;
     for (int n = 0; n < 12; ++n) layout.boxes.push_back({80.0 + 5 * n, 40, 0, 0});
-    for (const auto& [from, to] : std::vector<std::pair<std::size_t, std::size_t>>{
-             {0, 2}, {1, 2}, {0, 3}, {2, 4}, {3, 4}, {0, 5}, {5, 6}, {4, 7}, {6, 7}, {7, 8}, {7, 9}, {0, 9}, {10, 9}, {4, 9}})
+    for (const auto& [from, to] : std::vector<std::pair<std::size_t, std::size_t>>{{0, 2},
+                                                                                   {1, 2},
+                                                                                   {0, 3},
+                                                                                   {2, 4},
+                                                                                   {3, 4},
+                                                                                   {0, 5},
+                                                                                   {5, 6},
+                                                                                   {4, 7},
+                                                                                   {6, 7},
+                                                                                   {7, 8},
+                                                                                   {7, 9},
+                                                                                   {0, 9},
+                                                                                   {10, 9},
+                                                                                   {4, 9}})
         layout.edges.push_back({std::min(from, to), std::max(from, to), {}});
     layout.place();
-    CHECK(std::min_element(layout.boxes.begin(), layout.boxes.end(), [](const auto& a, const auto& b) { return a.y < b.y; })->y < 30);
+    CHECK(std::min_element(layout.boxes.begin(), layout.boxes.end(),
+                           [](const auto& a, const auto& b) { return a.y < b.y; })
+              ->y < 30);
     for (std::size_t a = 0; a < layout.boxes.size(); ++a) {
         const auto& one = layout.boxes[a];
         CHECK(one.x >= 0);
@@ -113,7 +135,8 @@ TEST_CASE("boxes stand in columns, apart, with every edge pointing right") {
         CHECK(one.y + one.height <= layout.height + 1e-9);
         for (std::size_t b = 0; b < a; ++b) {
             const auto& other = layout.boxes[b];
-            CHECK((one.x + one.width < other.x || other.x + other.width < one.x || one.y + one.height < other.y || other.y + other.height < one.y));
+            CHECK((one.x + one.width < other.x || other.x + other.width < one.x ||
+                   one.y + one.height < other.y || other.y + other.height < one.y));
         }
     }
     for (const auto& edge : layout.edges) {
@@ -124,7 +147,8 @@ TEST_CASE("boxes stand in columns, apart, with every edge pointing right") {
         CHECK(edge.route.back().x == Approx(to.x));
         CHECK(edge.route.back().y > to.y);
         CHECK(edge.route.back().y < to.y + to.height);
-        for (std::size_t n = 1; n < edge.route.size(); ++n) CHECK(edge.route[n].x >= edge.route[n - 1].x);
+        for (std::size_t n = 1; n < edge.route.size(); ++n)
+            CHECK(edge.route[n].x >= edge.route[n - 1].x);
     }
 }
 
@@ -144,4 +168,6 @@ TEST_CASE("a crossing that can be undone is undone, and a chain is straight") {
     CHECK(straight.boxes[0].y == Approx(0).margin(1e-9));
 }
 
-TEST_CASE("an empty pipeline is a picture too") { CHECK(well_formed(to_svg(Pipeline(), drawn_types()))); }
+TEST_CASE("an empty pipeline is a picture too") {
+    CHECK(well_formed(to_svg(Pipeline(), drawn_types())));
+}

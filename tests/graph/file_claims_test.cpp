@@ -47,7 +47,8 @@ TEST_CASE("claims meet where the paths of their frames do, whatever their patter
         std::vector<FileClaim> claims;
         for (std::size_t n = 0; n < 2 + random() % 3; ++n) {
             std::string text = "/nowhere/n";
-            for (std::size_t part = 0; part < 1 + random() % 4; ++part) text += parts[random() % parts.size()];
+            for (std::size_t part = 0; part < 1 + random() % 4; ++part)
+                text += parts[random() % parts.size()];
             claims.push_back({PathPattern(text), n > 0});
         }
         INFO(claims[0].path.text() << " " << claims[1].path.text());
@@ -55,14 +56,18 @@ TEST_CASE("claims meet where the paths of their frames do, whatever their patter
     }
 }
 
-TEST_CASE("what a link leads to is read, too, over several links, and a circle of links leads nowhere") {
+TEST_CASE(
+    "what a link leads to is read, too, over several links, and a circle of links leads nowhere") {
     const Scratch scratch;
     fs::create_directories(scratch / "real");
     fs::create_symlink("real/in.3", scratch / "near.3");
     fs::create_symlink(scratch / "near.3", scratch / "far.3");
     fs::create_symlink("round.3", scratch / "round.3");
     const auto over = [&](const std::string& read, const std::string& written) {
-        return overwritten({{PathPattern(scratch / read), false}, {PathPattern(scratch / written), true}}, {1, 2, 3})[1].has_value();
+        return overwritten(
+                   {{PathPattern(scratch / read), false}, {PathPattern(scratch / written), true}},
+                   {1, 2, 3})[1]
+            .has_value();
     };
     CHECK(over("far.#", "real/in.#"));
     CHECK(over("far.3", "real/in.#"));
@@ -74,14 +79,20 @@ TEST_CASE("what a link leads to is read, too, over several links, and a circle o
 }
 
 TEST_CASE("a path that is no pattern is taken as it is written") {
-    CHECK(overwritten({{PathPattern::literal("/nowhere/a.#"), false}, {PathPattern("/nowhere/a.#"), true}}, {1, 2})[1] == std::nullopt);
-    CHECK(overwritten({{PathPattern::literal("/nowhere/a.2"), false}, {PathPattern("/nowhere/a.#"), true}}, {1, 2})[1] == 0);
+    CHECK(overwritten(
+              {{PathPattern::literal("/nowhere/a.#"), false}, {PathPattern("/nowhere/a.#"), true}},
+              {1, 2})[1] == std::nullopt);
+    CHECK(overwritten(
+              {{PathPattern::literal("/nowhere/a.2"), false}, {PathPattern("/nowhere/a.#"), true}},
+              {1, 2})[1] == 0);
 }
 
 TEST_CASE("a million frames take no time where folders or names tell files apart") {
     const auto frames = frames_to(1'000'000);
     const auto begin = std::chrono::steady_clock::now();
-    CHECK(overwritten({{PathPattern("/nowhere/in.####"), false}, {PathPattern("/nowhere/in.carved.####"), true}, {PathPattern("/elsewhere/in.####"), true}},
+    CHECK(overwritten({{PathPattern("/nowhere/in.####"), false},
+                       {PathPattern("/nowhere/in.carved.####"), true},
+                       {PathPattern("/elsewhere/in.####"), true}},
                       frames) == Earlier(3));
     CHECK(std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(200));
 }

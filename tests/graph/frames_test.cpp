@@ -1,4 +1,5 @@
-#include "graph/types/frames.h"
+#include "carve/base/frame_set.h"
+#include "formats/file/path_pattern.h"
 #include "tests/support/scratch.h"
 
 #include <catch2/catch.hpp>
@@ -61,11 +62,16 @@ TEST_CASE("what is no frame set is told in words") {
     CHECK(fault_of_frames("1-10x-2") == "'1-10x-2' has a negative step, but does not descend");
     CHECK(fault_of_frames("1-10y1") == "'1-10y1' leaves no frame");
     CHECK(fault_of_frames("1-1000001") == "'1-1000001' names more than 1000000 frames");
-    CHECK(fault_of_frames("-2147483648-2147483647y1000000000") == "'-2147483648-2147483647y1000000000' names more than 1000000 frames");
-    CHECK(fault_of_frames("1-600000,1-600000") == "'1-600000,1-600000' names more than 1000000 frames");
-    for (const std::string large : {"99999999999", "1-99999999999", "-99999999999-1", "1-10x99999999999", "1-99999999999999999999999999"})
-        CHECK(fault_of_frames("1-5," + large) == "'" + large + "' has a number beyond 2147483647, the most that a frame can be");
-    for (const std::string bad : {"a", "1-", "1-a", "1 - 3", "1-10x", "1-10z2", "1-10x2x2", "5x2", "1.5", "0x10", "1-10x2 3", "+1", "a-b", "5-", "-", "--5"})
+    CHECK(fault_of_frames("-2147483648-2147483647y1000000000") ==
+          "'-2147483648-2147483647y1000000000' names more than 1000000 frames");
+    CHECK(fault_of_frames("1-600000,1-600000") ==
+          "'1-600000,1-600000' names more than 1000000 frames");
+    for (const std::string large : {"99999999999", "1-99999999999", "-99999999999-1",
+                                    "1-10x99999999999", "1-99999999999999999999999999"})
+        CHECK(fault_of_frames("1-5," + large) ==
+              "'" + large + "' has a number beyond 2147483647, the most that a frame can be");
+    for (const std::string bad : {"a", "1-", "1-a", "1 - 3", "1-10x", "1-10z2", "1-10x2x2", "5x2",
+                                  "1.5", "0x10", "1-10x2 3", "+1", "a-b", "5-", "-", "--5"})
         CHECK(fault_of_frames(bad) == "'" + bad + "' " + form);
     CHECK(fault_of_frames("1,,2") == "'' " + form);
     CHECK(fault_of_frames("1,") == "'' " + form);
@@ -115,7 +121,9 @@ TEST_CASE("every form of frame token takes the frame's number") {
     CHECK(PathPattern("a.####.vdb").per_frame());
 }
 
-TEST_CASE("negative frames are padded as in fileseq") { CHECK(PathPattern("a.####.vdb").at(-5) == "a.-005.vdb"); }
+TEST_CASE("negative frames are padded as in fileseq") {
+    CHECK(PathPattern("a.####.vdb").at(-5) == "a.-005.vdb");
+}
 
 TEST_CASE("a file's name is known but for its numbers, if its folder has none") {
     const auto ends = [](const char* text) {
@@ -128,7 +136,9 @@ TEST_CASE("a file's name is known but for its numbers, if its folder has none") 
     CHECK(ends("a.#-b-##c") == "a. c");
     CHECK(ends("a/b.vdb") == "b.vdb b.vdb");
     CHECK(ends("v####/a.#.vdb") == "none");
-    const auto fit = [](const char* a, const char* b) { return PathPattern(a).name_ends()->fits(*PathPattern(b).name_ends()); };
+    const auto fit = [](const char* a, const char* b) {
+        return PathPattern(a).name_ends()->fits(*PathPattern(b).name_ends());
+    };
     CHECK(fit("a.#.vdb", "a.<frame>.vdb"));
     CHECK(fit("a.#.vdb", "a.1#.vdb"));
     CHECK(fit("a.#.vdb", "a.-#.vdb"));

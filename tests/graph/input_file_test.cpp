@@ -1,5 +1,4 @@
-#include "graph/input_file.h"
-
+#include "formats/file/input_file.h"
 #include "tests/support/scratch.h"
 
 #include <catch2/catch.hpp>
@@ -50,7 +49,8 @@ TEST_CASE("what is no regular file is refused at once, and said to be what it is
     CHECK(fault_of_path(scratch / "none") == "does not exist");
     CHECK(fault_of_path(scratch.write("a.txt", "") + "/none") == "does not exist");
     CHECK(fault_of_path(scratch.path()) == "is a folder");
-    CHECK(fault_of_path(scratch.path(), {.what = "a song", .folder = "is no song"}) == "is no song");
+    CHECK(fault_of_path(scratch.path(), {.what = "a song", .folder = "is no song"}) ==
+          "is no song");
 
     const auto pipe = scratch / "pipe";
     REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
@@ -65,7 +65,8 @@ TEST_CASE("what is no regular file is refused at once, and said to be what it is
     std::strcpy(address.sun_path, socket_path.c_str());
     const int plug = socket(AF_UNIX, SOCK_STREAM, 0);
     REQUIRE(bind(plug, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
-    CHECK(fault_of_path(socket_path) == "is a socket or a device; a song is read from a regular file");
+    CHECK(fault_of_path(socket_path) ==
+          "is a socket or a device; a song is read from a regular file");
     close(plug);
 }
 
@@ -76,7 +77,8 @@ TEST_CASE("a file beyond its limit is refused before it is read") {
     std::filesystem::resize_file(path, most);
     CHECK(fault_of_path(path, {.what = "a song", .most = most}) == "");
     std::filesystem::resize_file(path, most + 1);
-    CHECK(fault_of_path(path, {.what = "a song", .most = most}) == "has 3145729 bytes; a song has at most 3 MiB");
+    CHECK(fault_of_path(path, {.what = "a song", .most = most}) ==
+          "has 3145729 bytes; a song has at most 3 MiB");
 }
 
 TEST_CASE("a file that grows or shrinks while it is read, and a disk that fails, are told") {
@@ -84,11 +86,14 @@ TEST_CASE("a file that grows or shrinks while it is read, and a disk that fails,
     const auto path = scratch.write("a.txt", "all of it");
     const InputFile file(path, {.what = "a song"});
     std::filesystem::resize_file(path, 10);
-    CHECK(fault_of_input([&] { file.whole(); }) == "had 9 bytes when it was opened and has 10 now; read it again when its writer is done");
+    CHECK(fault_of_input([&] { file.whole(); }) ==
+          "had 9 bytes when it was opened and has 10 now; read it again when its writer is done");
     std::filesystem::resize_file(path, 4);
-    CHECK(fault_of_input([&] { file.whole(); }) == "had 9 bytes when it was opened and has 4 now; read it again when its writer is done");
+    CHECK(fault_of_input([&] { file.whole(); }) ==
+          "had 9 bytes when it was opened and has 4 now; read it again when its writer is done");
     CHECK(file.head(99) == "all ");
 
     // No process has memory at address 0: to read there fails as a damaged disk does.
-    CHECK(fault_of_input([] { InputFile("/proc/self/mem", {.what = "a song"}).head(1); }) == "can't be read at byte 0: Input/output error; copy it again");
+    CHECK(fault_of_input([] { InputFile("/proc/self/mem", {.what = "a song"}).head(1); }) ==
+          "can't be read at byte 0: Input/output error; copy it again");
 }

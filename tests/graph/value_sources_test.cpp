@@ -1,6 +1,5 @@
 #include "graph/views/value_sources.h"
 #include "graph/build_pipeline.h"
-
 #include "graph/pipeline.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
@@ -30,7 +29,8 @@ ValueSources sources(const std::string& path, const std::vector<std::string>& se
 
 /// Without the scratch folder.
 std::string cut(const Scratch& scratch, std::string text) {
-    for (std::size_t at; (at = text.find(scratch.path() + "/")) != std::string::npos;) text.erase(at, scratch.path().size() + 1);
+    for (std::size_t at; (at = text.find(scratch.path() + "/")) != std::string::npos;)
+        text.erase(at, scratch.path().size() + 1);
     return text;
 }
 
@@ -63,7 +63,9 @@ nodes:
 
 }  // namespace
 
-TEST_CASE("each value is listed with the place that states it: file, extended file, environment, command line or declaration") {
+TEST_CASE(
+    "each value is listed with the place that states it: file, extended file, environment, command "
+    "line or declaration") {
     const Scratch scratch;
     scratch.write("base.yaml", stated);
     const auto path = scratch.write("sh010.yaml", shot);
@@ -180,7 +182,9 @@ nodes:
     CHECK(numbers.with == std::vector<std::string>{"which", "port"});
 }
 
-TEST_CASE("what a param builds on the environment is told with the param, and wherever the param is the whole value") {
+TEST_CASE(
+    "what a param builds on the environment is told with the param, and wherever the param is the "
+    "whole value") {
     const Scratch scratch;
     const auto path = scratch.write("p.yaml", R"(fluidcarve: 1
 env: [FLUIDCARVE_TEST_SHOT]
@@ -193,20 +197,27 @@ nodes:
     setenv("FLUIDCARVE_TEST_SHOT", "sh020", 1);
     const auto text = cut(scratch, to_text(sources(path)));
     unsetenv("FLUIDCARVE_TEST_SHOT");
-    CHECK_THAT(text, Catch::Contains("\n  from = in/sh020.txt, from p.yaml:4 with FLUIDCARVE_TEST_SHOT\n"));
-    CHECK_THAT(text, Catch::Contains("\n    path = in/sh020.txt, from p.yaml:4 with FLUIDCARVE_TEST_SHOT\n"));
-    CHECK_THAT(text, Catch::Contains("\n    path = sh020, from environment variable FLUIDCARVE_TEST_SHOT\n"));
+    CHECK_THAT(text, Catch::Contains(
+                         "\n  from = in/sh020.txt, from p.yaml:4 with FLUIDCARVE_TEST_SHOT\n"));
+    CHECK_THAT(text, Catch::Contains(
+                         "\n    path = in/sh020.txt, from p.yaml:4 with FLUIDCARVE_TEST_SHOT\n"));
+    CHECK_THAT(text, Catch::Contains(
+                         "\n    path = sh020, from environment variable FLUIDCARVE_TEST_SHOT\n"));
 }
 
 TEST_CASE("a value that YAML would read as something else is shown in quotes, and on one line") {
     const Scratch scratch;
     const auto shown = [&](const std::string& text) {
-        const auto path =
-            scratch.write("p.yaml", "fluidcarve: 1\nparams:\n  text: {type: string, default: " + text + "}\nnodes:\n  a: {type: toy.count, path: b}\n");
+        const auto path = scratch.write(
+            "p.yaml", "fluidcarve: 1\nparams:\n  text: {type: string, default: " + text +
+                          "}\nnodes:\n  a: {type: toy.count, path: b}\n");
         return sources(path).params.at(0).second.value;
     };
-    for (const std::string plain : {"sh010", "-12", "-20%", "a/b.####.vdb", "$F4", "in:out", "<frame04>", "two words"}) CHECK(shown(plain) == plain);
-    for (const std::string quoted : {R"("")", R"("~")", R"("null")", R"("- a")", R"("a: b")", R"("a #b")", R"("#a")", R"("a, b")", R"("%04d")", R"("{a}")",
-                                     R"("a:")", R"(" a")", R"("a\nb")"})
+    for (const std::string plain :
+         {"sh010", "-12", "-20%", "a/b.####.vdb", "$F4", "in:out", "<frame04>", "two words"})
+        CHECK(shown(plain) == plain);
+    for (const std::string quoted :
+         {R"("")", R"("~")", R"("null")", R"("- a")", R"("a: b")", R"("a #b")", R"("#a")",
+          R"("a, b")", R"("%04d")", R"("{a}")", R"("a:")", R"(" a")", R"("a\nb")"})
         CHECK(shown(quoted) == quoted);
 }

@@ -1,5 +1,5 @@
-#include "graph/text/words.h"
-#include "graph/text/one_line.h"
+#include "carve/base/words.h"
+#include "carve/base/one_line.h"
 
 #include <catch2/catch.hpp>
 

@@ -28,7 +28,8 @@ std::vector<Paths> documented(const std::string& section) {
         if (line.starts_with("| field")) out.emplace_back();
         if (!line.starts_with("| `")) continue;
         const auto cell = line.substr(2, line.find(" |") - 2);
-        for (std::sregex_iterator each(cell.begin(), cell.end(), name), end; each != end; ++each) out.back().insert(each->str(1));
+        for (std::sregex_iterator each(cell.begin(), cell.end(), name), end; each != end; ++each)
+            out.back().insert(each->str(1));
     }
     return out;
 }
@@ -36,7 +37,9 @@ std::vector<Paths> documented(const std::string& section) {
 /// Adds the paths of all values, as FORMATS.md writes them.
 void add_paths(const Json& json, const std::string& path, Paths& out) {
     if (json.is_object()) {
-        for (const auto& [key, value] : json.items()) add_paths(value, path.empty() ? key : path + "." + (path == "nodes" ? "NAME" : key), out);
+        for (const auto& [key, value] : json.items())
+            add_paths(value, path.empty() ? key : path + "." + (path == "nodes" ? "NAME" : key),
+                      out);
     } else if (json.is_array()) {
         for (const auto& value : json) add_paths(value, path + "[]", out);
     } else {
@@ -55,10 +58,14 @@ Paths paths_of(const std::vector<Json>& all) {
 TEST_CASE("what plan, farm and status print for programs is what FORMATS.md says", "[long]") {
     const Scratch scratch;
     // All smoke is protected, so that no seam passes the window: only the solver finds out.
-    const auto closed = scratch.write(
-        "shot.yaml", fmt::format("extends: {}/pipelines/plume.yaml\nnodes: {{seams: {{protect: sim.density, window: [15, 20]}}}}\n", SOURCE_ROOT));
-    const auto call = [&](const std::string& verb, const std::string& pipeline = "pipelines/plume.yaml") {
-        return call_shell(fmt::format("{} {} {} --set count=-2 --to seams --work {}", FLUIDCARVE_PROGRAM, verb, pipeline, scratch / "work"));
+    const auto closed =
+        scratch.write("shot.yaml", fmt::format("extends: {}/pipelines/plume.yaml\nnodes: {{seams: "
+                                               "{{protect: sim.density, window: [15, 20]}}}}\n",
+                                               SOURCE_ROOT));
+    const auto call = [&](const std::string& verb,
+                          const std::string& pipeline = "pipelines/plume.yaml") {
+        return call_shell(fmt::format("{} {} {} --set count=-2 --to seams --work {}",
+                                      FLUIDCARVE_PROGRAM, verb, pipeline, scratch / "work"));
     };
     const auto before = Json::parse(call("plan --json").out);
     REQUIRE(call("run -q").code == 0);
@@ -66,7 +73,9 @@ TEST_CASE("what plan, farm and status print for programs is what FORMATS.md says
     const auto job = Json::parse(call("farm local --dry-run --json").out);
     REQUIRE(call("farm local --chunk 3", closed).code == 1);
     REQUIRE(call("run -q", closed).code == 1);
-    const auto all = Json::parse(call_shell(fmt::format("{} status --json --work {}", FLUIDCARVE_PROGRAM, scratch / "work")).out);
+    const auto all = Json::parse(
+        call_shell(fmt::format("{} status --json --work {}", FLUIDCARVE_PROGRAM, scratch / "work"))
+            .out);
     REQUIRE(all.size() == 3);
     CHECK(all.at(0).contains("job"));
     CHECK_FALSE(all.at(1).contains("job"));

@@ -1,16 +1,17 @@
+#include "carve/lattice/lattice.h"
+#include "carve/mesh/mesh.h"
+#include "carve/points/points.h"
+#include "carve/rig/rig.h"
+#include "carve/volume/volume.h"
 #include "graph/types/plugin.h"
-#include "nodes/lattice/lattice.h"
-#include "nodes/mesh/mesh.h"
-#include "nodes/payloads.h"
-#include "nodes/points/points.h"
-#include "nodes/rig/rig.h"
-#include "nodes/seam/seam_node.h"
+#include "nodes/solving/seam_node.h"
 
 #include <catch2/catch.hpp>
 
 using namespace fluidcarve;
 
-// Where a size here changes, plugins that were built before read something else than the program wrote: raise payload_abi with it.
+// Where a size here changes, plugins that were built before read something else than the program
+// wrote: raise payload_abi with it.
 TEST_CASE("payload types are laid out as the number that plugins are checked against says") {
     CHECK(payload_abi == 9);
     CHECK(sizeof(Volume) == 112);

@@ -15,7 +15,9 @@ using openvdb::Vec3d;
 
 namespace {
 
-std::string loop_file(const Scratch& scratch, const std::string& name, int frame) { return fmt::format("{}.{:04}.vdb", scratch / name, frame); }
+std::string loop_file(const Scratch& scratch, const std::string& name, int frame) {
+    return fmt::format("{}.{:04}.vdb", scratch / name, frame);
+}
 
 /// Writes frames 1 to `last` of a puff that is at a place, voxels.
 template <class Place>
@@ -27,7 +29,8 @@ void write_puffs(const Scratch& scratch, int last, const Place& place) {
         const Vec3d around = place(frame);
         const auto low = openvdb::Coord::round(around).offsetBy(-9), high = low.offsetBy(18);
         for (auto at = openvdb::CoordBBox(low, high).begin(); at; ++at)
-            if (const auto value = std::exp(-0.5 * ((*at).asVec3d() - around).lengthSqr() / 8); value > 1e-3)
+            if (const auto value = std::exp(-0.5 * ((*at).asVec3d() - around).lengthSqr() / 8);
+                value > 1e-3)
                 grid->tree().setValue(*at, static_cast<float>(value));
         openvdb::io::File(loop_file(scratch, "puff", frame)).write({grid});
     }
@@ -35,16 +38,23 @@ void write_puffs(const Scratch& scratch, int last, const Place& place) {
 
 /// A way round, once in so many frames.
 auto circling(double period) {
-    return [period](int frame) { return 8.0 * Vec3d(std::cos(2 * M_PI * frame / period), std::sin(2 * M_PI * frame / period), 0); };
+    return [period](int frame) {
+        return 8.0 *
+               Vec3d(std::cos(2 * M_PI * frame / period), std::sin(2 * M_PI * frame / period), 0);
+    };
 }
 
-Called loop(const Scratch& scratch, int last, const std::string& params, const std::string& options = "", const std::string& type = "loop") {
-    const auto pipeline = scratch.write("loop.yaml", fmt::format("fluidcarve: 1\nframes: 1-{}\nnodes:\n"
-                                                                 "  sim: {{type: vdb.read, path: {}, grids: {{density: float}}}}\n"
-                                                                 "  loop: {{type: time.{}, source: sim, {}}}\n"
-                                                                 "  out: {{type: vdb.write, source: loop, path: {}}}\n",
-                                                                 last, scratch / "puff.####.vdb", type, params, scratch / "out.####.vdb"));
-    return call_shell(fmt::format("{} run {} --no-cache --progress none --report {} {}", FLUIDCARVE_PROGRAM, pipeline, scratch / "report.json", options));
+Called loop(const Scratch& scratch, int last, const std::string& params,
+            const std::string& options = "", const std::string& type = "loop") {
+    const auto pipeline = scratch.write(
+        "loop.yaml",
+        fmt::format("fluidcarve: 1\nframes: 1-{}\nnodes:\n"
+                    "  sim: {{type: vdb.read, path: {}, grids: {{density: float}}}}\n"
+                    "  loop: {{type: time.{}, source: sim, {}}}\n"
+                    "  out: {{type: vdb.write, source: loop, path: {}}}\n",
+                    last, scratch / "puff.####.vdb", type, params, scratch / "out.####.vdb"));
+    return call_shell(fmt::format("{} run {} --no-cache --progress none --report {} {}",
+                                  FLUIDCARVE_PROGRAM, pipeline, scratch / "report.json", options));
 }
 
 openvdb::FloatGrid::Ptr puff_in(const std::string& path) {
@@ -55,7 +65,8 @@ openvdb::FloatGrid::Ptr puff_in(const std::string& path) {
 
 double puff_off(const openvdb::FloatGrid& a, const openvdb::FloatGrid& b) {
     double out = 0;
-    for (auto value = a.cbeginValueOn(); value; ++value) out += std::pow(*value - b.tree().getValue(value.getCoord()), 2);
+    for (auto value = a.cbeginValueOn(); value; ++value)
+        out += std::pow(*value - b.tree().getValue(value.getCoord()), 2);
     for (auto value = b.cbeginValueOn(); value; ++value)
         if (!a.tree().isValueOn(value.getCoord())) out += std::pow(*value, 2);
     return std::sqrt(out);
@@ -75,61 +86,83 @@ TEST_CASE("a loop of a motion that repeats is that motion, as often as it is ask
     CHECK(told["difference"].get<double>() < 0.01);
     const int first = told["first"];
     for (int n = 0; n < 24; ++n) {
-        const auto source = puff_in(loop_file(scratch, "puff", first + n % 12)), out = puff_in(loop_file(scratch, "out", 101 + n));
+        const auto source = puff_in(loop_file(scratch, "puff", first + n % 12)),
+                   out = puff_in(loop_file(scratch, "out", 101 + n));
         const auto all = puff_off(*source, *openvdb::FloatGrid::create());
         CHECK(puff_off(*source, *out) <= (n % 12 < 9 ? 0 : 0.01 * all));
     }
 }
 
-TEST_CASE("a loop of a motion that does not repeat closes without a jump, and says that its fade will be seen") {
+TEST_CASE(
+    "a loop of a motion that does not repeat closes without a jump, and says that its fade will be "
+    "seen") {
     const Scratch scratch;
     write_puffs(scratch, 16, [](int frame) { return Vec3d(0.5 * frame, 0.01 * frame * frame, 0); });
     const auto ran = loop(scratch, 16, "frames: 10, fade: 6");
     INFO(ran.err);
     REQUIRE(ran.code == 0);
-    CHECK_THAT(ran.err, Catch::Contains("loop (time.loop): the ends of the loop differ") && Catch::Contains("with `frames: 8` it would be"));
+    CHECK_THAT(ran.err, Catch::Contains("loop (time.loop): the ends of the loop differ") &&
+                            Catch::Contains("with `frames: 8` it would be"));
     double largest = 0, most = 0;
     for (int frame = 1; frame < 16; ++frame)
-        largest = std::max(largest, puff_off(*puff_in(loop_file(scratch, "puff", frame)), *puff_in(loop_file(scratch, "puff", frame + 1))));
+        largest = std::max(largest, puff_off(*puff_in(loop_file(scratch, "puff", frame)),
+                                             *puff_in(loop_file(scratch, "puff", frame + 1))));
     for (int n = 0; n < 10; ++n)
-        most = std::max(most, puff_off(*puff_in(loop_file(scratch, "out", 1 + n)), *puff_in(loop_file(scratch, "out", 1 + (n + 1) % 10))));
+        most = std::max(most, puff_off(*puff_in(loop_file(scratch, "out", 1 + n)),
+                                       *puff_in(loop_file(scratch, "out", 1 + (n + 1) % 10))));
     CHECK(most < 1.2 * largest);
 }
 
-TEST_CASE("of a range of lengths the one that closes best is taken, and goes round in the longest") {
+TEST_CASE(
+    "of a range of lengths the one that closes best is taken, and goes round in the longest") {
     const Scratch scratch;
     write_puffs(scratch, 21, circling(12));
     const auto ran = loop(scratch, 21, "frames: [9, 15]");
     INFO(ran.err);
     REQUIRE(ran.code == 0);
-    CHECK(nlohmann::json::parse(Scratch::read(scratch / "report.json"))["loop"]["loop"]["frames"] == 12);
-    CHECK(puff_off(*puff_in(loop_file(scratch, "out", 1)), *puff_in(loop_file(scratch, "out", 13))) == 0);
+    CHECK(nlohmann::json::parse(Scratch::read(scratch / "report.json"))["loop"]["loop"]["frames"] ==
+          12);
+    CHECK(puff_off(*puff_in(loop_file(scratch, "out", 1)),
+                   *puff_in(loop_file(scratch, "out", 13))) == 0);
     CHECK(std::filesystem::exists(loop_file(scratch, "out", 15)));
     CHECK_FALSE(std::filesystem::exists(loop_file(scratch, "out", 16)));
-    CHECK_THAT(loop(scratch, 21, "frames: [15, 9]").err, Catch::Contains("'frames' must rise: [9, 15]"));
+    CHECK_THAT(loop(scratch, 21, "frames: [15, 9]").err,
+               Catch::Contains("'frames' must rise: [9, 15]"));
 }
 
 TEST_CASE("a loop that the sequence can't give is refused with its place") {
     const Scratch scratch;
     write_puffs(scratch, 6, circling(12));
-    const auto said = [&](const std::string& params, int last = 6) { return loop(scratch, last, params).err; };
-    CHECK_THAT(said("frames: 9"), Catch::Contains("loop.yaml:5:3: a loop of 9 frames needs as many of the source, which has 6; lower 'frames'"));
-    CHECK_THAT(said("frames: 4, fade: 4"), Catch::Contains("a fade of 4 frames leaves none of the 4 frames of the loop as it is; lower it"));
+    const auto said = [&](const std::string& params, int last = 6) {
+        return loop(scratch, last, params).err;
+    };
+    CHECK_THAT(said("frames: 9"), Catch::Contains("loop.yaml:5:3: a loop of 9 frames needs as many "
+                                                  "of the source, which has 6; lower 'frames'"));
+    CHECK_THAT(
+        said("frames: 4, fade: 4"),
+        Catch::Contains(
+            "a fade of 4 frames leaves none of the 4 frames of the loop as it is; lower it"));
     CHECK_THAT(said("frames: 1"), Catch::Contains("loop.yaml:5"));
-    CHECK_THAT(loop(scratch, 6, "frames: 3", "-f 1").err, !Catch::Contains("all frames are needed"));
+    CHECK_THAT(loop(scratch, 6, "frames: 3", "-f 1").err,
+               !Catch::Contains("all frames are needed"));
     auto text = Scratch::read(scratch / "loop.yaml");
     text.replace(text.find("frames: 1-6"), 11, "frames: 1-3,5-6");
     const auto gap = scratch.write("gap.yaml", text);
-    CHECK_THAT(fluidcarve_program("check " + gap).err, Catch::Contains("all frames are needed, but between 3 and 5 some are left out"));
+    CHECK_THAT(fluidcarve_program("check " + gap).err,
+               Catch::Contains("all frames are needed, but between 3 and 5 some are left out"));
 }
 
-TEST_CASE("of a sequence with a pause, the pause is what leaves in time, and all other frames keep their bits") {
+TEST_CASE(
+    "of a sequence with a pause, the pause is what leaves in time, and all other frames keep their "
+    "bits") {
     const Scratch scratch;
     // It rests from frame 8 to 13.
     const auto moment = [](int frame) { return frame <= 8 ? frame : frame <= 13 ? 8 : frame - 5; };
     write_puffs(scratch, 21, [&](int frame) { return circling(40)(moment(frame)); });
     REQUIRE(loop(scratch, 21, "count: -5", "", "carve").code == 0);
-    for (int n = 1; n <= 16; ++n) CHECK(puff_off(*puff_in(loop_file(scratch, "out", n)), *puff_in(loop_file(scratch, "puff", n <= 8 ? n : n + 5))) == 0);
+    for (int n = 1; n <= 16; ++n)
+        CHECK(puff_off(*puff_in(loop_file(scratch, "out", n)),
+                       *puff_in(loop_file(scratch, "puff", n <= 8 ? n : n + 5))) == 0);
     CHECK_FALSE(std::filesystem::exists(loop_file(scratch, "out", 17)));
 }
 
@@ -137,15 +170,23 @@ TEST_CASE("a sequence that becomes longer in time begins and ends as before, and
     const Scratch scratch;
     write_puffs(scratch, 16, circling(60));
     REQUIRE(loop(scratch, 16, "count: 25%", "", "carve").code == 0);
-    CHECK(puff_off(*puff_in(loop_file(scratch, "out", 1)), *puff_in(loop_file(scratch, "puff", 1))) == 0);
-    CHECK(puff_off(*puff_in(loop_file(scratch, "out", 20)), *puff_in(loop_file(scratch, "puff", 16))) == 0);
-    const double step = puff_off(*puff_in(loop_file(scratch, "puff", 1)), *puff_in(loop_file(scratch, "puff", 2)));
-    for (int n = 1; n < 20; ++n) CHECK(puff_off(*puff_in(loop_file(scratch, "out", n)), *puff_in(loop_file(scratch, "out", n + 1))) < 1.5 * step);
+    CHECK(puff_off(*puff_in(loop_file(scratch, "out", 1)),
+                   *puff_in(loop_file(scratch, "puff", 1))) == 0);
+    CHECK(puff_off(*puff_in(loop_file(scratch, "out", 20)),
+                   *puff_in(loop_file(scratch, "puff", 16))) == 0);
+    const double step =
+        puff_off(*puff_in(loop_file(scratch, "puff", 1)), *puff_in(loop_file(scratch, "puff", 2)));
+    for (int n = 1; n < 20; ++n)
+        CHECK(puff_off(*puff_in(loop_file(scratch, "out", n)),
+                       *puff_in(loop_file(scratch, "out", n + 1))) < 1.5 * step);
     CHECK_THAT(loop(scratch, 16, "count: -15", "", "carve").err,
-               Catch::Contains("loop.yaml:5:3: count -15 is too much: of 16 frames at most 14 can leave or be doubled"));
-    CHECK_THAT(loop(scratch, 16, "count: 15", "", "carve").err, Catch::Contains("count 15 is too much"));
+               Catch::Contains("loop.yaml:5:3: count -15 is too much: of 16 frames at most 14 can "
+                               "leave or be doubled"));
+    CHECK_THAT(loop(scratch, 16, "count: 15", "", "carve").err,
+               Catch::Contains("count 15 is too much"));
     auto text = Scratch::read(scratch / "loop.yaml");
     text.replace(text.find("frames: 1-16"), 12, "frames: 1-14,16");
     text.replace(text.find("count: 15"), 9, "count: -1");
-    CHECK_THAT(fluidcarve_program("check " + scratch.write("gap.yaml", text)).err, Catch::Contains("all frames are needed, but between 14 and 16"));
+    CHECK_THAT(fluidcarve_program("check " + scratch.write("gap.yaml", text)).err,
+               Catch::Contains("all frames are needed, but between 14 and 16"));
 }

@@ -1,4 +1,4 @@
-#include "nodes/io/vdb_file.h"
+#include "formats/vdb/vdb_file.h"
 #include "tests/support/program.h"
 
 #include <fmt/format.h>
@@ -17,7 +17,8 @@ using openvdb::Vec3d;
 
 namespace {
 
-/// How a grid is stored: index axis n holds axis `from[n]` of the original, backwards where `sign[n]` is -1, and voxels move by `shift` each frame.
+/// How a grid is stored: index axis n holds axis `from[n]` of the original, backwards where
+/// `sign[n]` is -1, and voxels move by `shift` each frame.
 struct Storage {
     std::array<int, 3> from{0, 1, 2};
     std::array<int, 3> sign{1, 1, 1};
@@ -26,10 +27,13 @@ struct Storage {
 
     Coord voxel(const Coord& at, int frame) const {
         Coord out;
-        for (int n = 0; n < 3; ++n) out[n] = sign[static_cast<std::size_t>(n)] * at[from[static_cast<std::size_t>(n)]] + (frame - 51) * shift[n];
+        for (int n = 0; n < 3; ++n)
+            out[n] = sign[static_cast<std::size_t>(n)] * at[from[static_cast<std::size_t>(n)]] +
+                     (frame - 51) * shift[n];
         return out;
     }
-    openvdb::math::Transform::Ptr transform(const openvdb::math::Transform& original, int frame) const {
+    openvdb::math::Transform::Ptr transform(const openvdb::math::Transform& original,
+                                            int frame) const {
         auto back = Mat4d::identity();  // from the copy's voxels to the original's, as rows
         for (int n = 0; n < 3; ++n) {
             const auto row = static_cast<std::size_t>(n);
@@ -37,7 +41,8 @@ struct Storage {
         }
         for (int axis = 0; axis < 3; ++axis)
             for (int n = 0; n < 3; ++n) back(3, axis) -= (frame - 51) * shift[n] * back(n, axis);
-        return openvdb::math::Transform::createLinearTransform(back * original.baseMap()->getAffineMap()->getMat4() * world);
+        return openvdb::math::Transform::createLinearTransform(
+            back * original.baseMap()->getAffineMap()->getMat4() * world);
     }
 };
 
@@ -48,22 +53,29 @@ FloatGrid::Ptr density_in(const std::string& file) {
     return openvdb::gridPtrCast<FloatGrid>(in.readGrid("density"));
 }
 
-std::string file_of(const std::string& folder, const char* name, int frame) { return fmt::format("{}/{}.{:04}.vdb", folder, name, frame); }
+std::string file_of(const std::string& folder, const char* name, int frame) {
+    return fmt::format("{}/{}.{:04}.vdb", folder, name, frame);
+}
 
-/// Writes three frames of the plume as `storage` has them, carves them, and returns the carved grids in the original's voxels.
-std::map<int, FloatGrid::Ptr> carved_copy(const std::string& folder, const Storage& storage, const std::string& arguments) {
+/// Writes three frames of the plume as `storage` has them, carves them, and returns the carved
+/// grids in the original's voxels.
+std::map<int, FloatGrid::Ptr> carved_copy(const std::string& folder, const Storage& storage,
+                                          const std::string& arguments) {
     std::filesystem::create_directories(folder);
     for (int frame = 51; frame <= 53; ++frame) {
         const auto original = density_in(file_of(SOURCE_ROOT "/tests/data/plume", "plume", frame));
         const auto copy = FloatGrid::create();
         REQUIRE(original->tree().activeTileCount() == 0);
-        for (auto value = original->cbeginValueOn(); value; ++value) copy->tree().setValue(storage.voxel(value.getCoord(), frame), *value);
+        for (auto value = original->cbeginValueOn(); value; ++value)
+            copy->tree().setValue(storage.voxel(value.getCoord(), frame), *value);
         copy->setName("density");
         copy->setGridClass(openvdb::GRID_FOG_VOLUME);
         copy->setTransform(storage.transform(original->transform(), frame));
         openvdb::io::File(file_of(folder, "in", frame)).write({copy});
     }
-    const auto ran = call_shell(fmt::format("{} carve {}/in.####.vdb {} -o {}/out.####.vdb --progress none", FLUIDCARVE_PROGRAM, folder, arguments, folder));
+    const auto ran =
+        call_shell(fmt::format("{} carve {}/in.####.vdb {} -o {}/out.####.vdb --progress none",
+                               FLUIDCARVE_PROGRAM, folder, arguments, folder));
     INFO(ran.err);
     REQUIRE(ran.code == 0);
     CHECK(ran.err.find("warning") == std::string::npos);
@@ -73,9 +85,13 @@ std::map<int, FloatGrid::Ptr> carved_copy(const std::string& folder, const Stora
         CHECK(result->transform() == density_in(file_of(folder, "in", frame))->transform());
         auto& back = out[frame] = FloatGrid::create();
         for (auto value = result->cbeginValueOn(); value; ++value) {
-            const auto at = value.getCoord() - Coord((frame - 51) * storage.shift[0], (frame - 51) * storage.shift[1], (frame - 51) * storage.shift[2]);
+            const auto at = value.getCoord() - Coord((frame - 51) * storage.shift[0],
+                                                     (frame - 51) * storage.shift[1],
+                                                     (frame - 51) * storage.shift[2]);
             Coord original;
-            for (int n = 0; n < 3; ++n) original[storage.from[static_cast<std::size_t>(n)]] = storage.sign[static_cast<std::size_t>(n)] * at[n];
+            for (int n = 0; n < 3; ++n)
+                original[storage.from[static_cast<std::size_t>(n)]] =
+                    storage.sign[static_cast<std::size_t>(n)] * at[n];
             back->tree().setValue(original, *value);
         }
     }
@@ -84,8 +100,10 @@ std::map<int, FloatGrid::Ptr> carved_copy(const std::string& folder, const Stora
 
 double difference(const FloatGrid& a, const FloatGrid& b) {
     double out = 0;
-    for (auto value = a.cbeginValueOn(); value; ++value) out = std::max<double>(out, std::abs(*value - b.tree().getValue(value.getCoord())));
-    for (auto value = b.cbeginValueOn(); value; ++value) out = std::max<double>(out, std::abs(*value - a.tree().getValue(value.getCoord())));
+    for (auto value = a.cbeginValueOn(); value; ++value)
+        out = std::max<double>(out, std::abs(*value - b.tree().getValue(value.getCoord())));
+    for (auto value = b.cbeginValueOn(); value; ++value)
+        out = std::max<double>(out, std::abs(*value - a.tree().getValue(value.getCoord())));
     return out;
 }
 
@@ -109,8 +127,12 @@ Mat4d turned(double degrees) {
 
 }  // namespace
 
-TEST_CASE("a carve does not depend on how voxels are stored, nor on where, how large and how turned the world has them", "[long]") {
-    const double voxel = density_in(SOURCE_ROOT "/tests/data/plume/plume.0051.vdb")->voxelSize().x();
+TEST_CASE(
+    "a carve does not depend on how voxels are stored, nor on where, how large and how turned the "
+    "world has them",
+    "[long]") {
+    const double voxel =
+        density_in(SOURCE_ROOT "/tests/data/plume/plume.0051.vdb")->voxelSize().x();
     const std::map<std::string, Storage> copies{
         {"mirrored", {{0, 1, 2}, {-1, 1, 1}}},
         {"mirrored in three axes", {{0, 1, 2}, {-1, -1, -1}}},
@@ -128,7 +150,8 @@ TEST_CASE("a carve does not depend on how voxels are stored, nor on where, how l
         for (const auto& [name, storage] : copies) {
             INFO(name << ", " << arguments);
             const auto result = carved_copy(scratch / "copy", storage, arguments);
-            for (const auto& [frame, grid] : result) CHECK(difference(*grid, *expected.at(frame)) < 2e-5);
+            for (const auto& [frame, grid] : result)
+                CHECK(difference(*grid, *expected.at(frame)) < 2e-5);
         }
     }
 }
@@ -138,10 +161,14 @@ TEST_CASE("sheared voxels, and voxels that are no cubes, are carved in their own
     sheared(1, 0) = 0.3;
     longer(0, 0) = 1.01;
     const Scratch scratch;
-    const auto wide = [](const FloatGrid& grid) { return grid.evalActiveVoxelBoundingBox().dim().x(); };
+    const auto wide = [](const FloatGrid& grid) {
+        return grid.evalActiveVoxelBoundingBox().dim().x();
+    };
     for (const auto& world : {sheared, longer})
-        for (const auto& [frame, grid] : carved_copy(scratch / "copy", {{0, 1, 2}, {1, 1, 1}, {0, 0, 0}, world}, "-12")) {
-            const auto before = wide(*density_in(file_of(SOURCE_ROOT "/tests/data/plume", "plume", frame)));
+        for (const auto& [frame, grid] :
+             carved_copy(scratch / "copy", {{0, 1, 2}, {1, 1, 1}, {0, 0, 0}, world}, "-12")) {
+            const auto before =
+                wide(*density_in(file_of(SOURCE_ROOT "/tests/data/plume", "plume", frame)));
             CHECK(wide(*grid) <= before - 10);
             CHECK(wide(*grid) >= before - 12);
         }

@@ -1,4 +1,4 @@
-#include "nodes/io/vdb_file.h"
+#include "formats/vdb/vdb_file.h"
 #include "tests/support/program.h"
 
 #include <fmt/format.h>
@@ -25,7 +25,10 @@ FloatGrid::Ptr density(int frame) {
     out->setName("density");
     for (auto at = block.begin(); at; ++at)
         out->tree().setValueOn(
-            *at, 0.5f + static_cast<float>(static_cast<unsigned>((*at).x() * 73 + (*at).y() * 19 + (*at).z() * 7 + frame * 31) * 2654435761u % 1000) / 1000);
+            *at, 0.5f + static_cast<float>(static_cast<unsigned>((*at).x() * 73 + (*at).y() * 19 +
+                                                                 (*at).z() * 7 + frame * 31) *
+                                           2654435761u % 1000) /
+                            1000);
     return out;
 }
 
@@ -34,20 +37,24 @@ struct Ramp {
     Scratch scratch;
 
     Ramp() {
-        for (int frame = 1; frame <= 3; ++frame) write_vdb(scratch / fmt::format("in.{}.vdb", frame), {{density(frame)}, {}, {}});
+        for (int frame = 1; frame <= 3; ++frame)
+            write_vdb(scratch / fmt::format("in.{}.vdb", frame), {{density(frame)}, {}, {}});
     }
     /// @param seams  fields of the solver
     Called run(const std::string& verb, const std::string& seams) const {
-        const auto pipeline = scratch.write("p.yaml", "fluidcarve: 1\nframes: 1-3\nnodes:\n  sim: {type: vdb.read, path: " + (scratch / "in.#.vdb") +
-                                                          ", grids: {density: float}}\n"
-                                                          "  energy: {type: energy.gradient, field: sim.density}\n"
-                                                          "  box: {type: lattice.box, fit: sim.density}\n"
-                                                          "  seams: {type: warp.solve, energy: energy, field: sim.density, lattice: box, " +
-                                                          seams +
-                                                          "}\n"
-                                                          "  carved: {type: remap.grids, source: sim, lattice: box, seams: seams}\n"
-                                                          "  out: {type: vdb.write, source: carved, path: " +
-                                                          (scratch / "out.#.vdb") + "}\n");
+        const auto pipeline = scratch.write(
+            "p.yaml",
+            "fluidcarve: 1\nframes: 1-3\nnodes:\n  sim: {type: vdb.read, path: " +
+                (scratch / "in.#.vdb") +
+                ", grids: {density: float}}\n"
+                "  energy: {type: energy.gradient, field: sim.density}\n"
+                "  box: {type: lattice.box, fit: sim.density}\n"
+                "  seams: {type: warp.solve, energy: energy, field: sim.density, lattice: box, " +
+                seams +
+                "}\n"
+                "  carved: {type: remap.grids, source: sim, lattice: box, seams: seams}\n"
+                "  out: {type: vdb.write, source: carved, path: " +
+                (scratch / "out.#.vdb") + "}\n");
         return fluidcarve_program(verb + " " + pipeline + " --work " + (scratch / "work"));
     }
     void carve(const std::string& seams) const {
@@ -56,7 +63,8 @@ struct Ramp {
         REQUIRE(ran.code == 0);
     }
     FloatGrid::ConstPtr carved(int frame) const {
-        return openvdb::gridConstPtrCast<FloatGrid>(read_vdb(scratch / fmt::format("out.{}.vdb", frame)).find("density"));
+        return openvdb::gridConstPtrCast<FloatGrid>(
+            read_vdb(scratch / fmt::format("out.{}.vdb", frame)).find("density"));
     }
 };
 
@@ -69,12 +77,15 @@ double width_of(const FloatGrid& grid, int y, int z) {
 
 }  // namespace
 
-TEST_CASE("in written files widths follow a ramp within a voxel, and where it is 0 nothing moves, bit for bit") {
+TEST_CASE(
+    "in written files widths follow a ramp within a voxel, and where it is 0 nothing moves, bit "
+    "for bit") {
     const Ramp ramp;
     const std::string amount = "{along: w, at: [[0, 0], [0.3, 0], [1, -14.5]]}";
     ramp.carve("amount: " + amount);
     for (int frame = 1; frame <= 3; ++frame) {
-        const auto before = density(frame), after = openvdb::gridPtrCast<FloatGrid>(ramp.carved(frame)->deepCopyGrid());
+        const auto before = density(frame),
+                   after = openvdb::gridPtrCast<FloatGrid>(ramp.carved(frame)->deepCopyGrid());
         for (int n = 0; n < 10; ++n) {
             const int z = 4 * n + 4;
             const double wish = wide - 14.5 * std::max(0.0, (z / 40.0 - 0.3) / 0.7);
@@ -91,14 +102,16 @@ TEST_CASE("amounts of one solve are those of own solves, and cost no search") {
     const Ramp ramp, own;
     ramp.carve("amount: -2");
     for (const std::string amount : {"-1.5", "-7.25", "30%"}) {
-        const auto planned = nlohmann::json::parse(ramp.run("plan --json", "amount: " + amount).out);
+        const auto planned =
+            nlohmann::json::parse(ramp.run("plan --json", "amount: " + amount).out);
         CHECK(planned["nodes"]["seams"]["cached"] == planned["nodes"]["seams"]["frames"]);
         ramp.carve("amount: " + amount);
         own.carve("amount: " + amount);
         for (int frame = 1; frame <= 3; ++frame) {
             const auto one = ramp.carved(frame), other = own.carved(frame);
             CHECK(one->activeVoxelCount() == other->activeVoxelCount());
-            for (auto value = one->cbeginValueOn(); value; ++value) REQUIRE(*value == Approx(other->tree().getValue(value.getCoord())).margin(1e-4));
+            for (auto value = one->cbeginValueOn(); value; ++value)
+                REQUIRE(*value == Approx(other->tree().getValue(value.getCoord())).margin(1e-4));
         }
         std::filesystem::remove_all(own.scratch / "work");
     }

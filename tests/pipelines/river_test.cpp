@@ -1,14 +1,14 @@
-#include "nodes/io/vdb_file.h"
-#include "nodes/lattice/build.h"
-#include "nodes/mesh/mesh_file.h"
-#include "nodes/points/file.h"
-#include "nodes/remap/geometry/points.h"
-#include "nodes/rig/curve_file.h"
-#include "nodes/rig/transform.h"
-#include "nodes/sdf/from_mesh.h"
-#include "nodes/sdf/from_points.h"
-#include "nodes/seams/carve_map.h"
-#include "nodes/seams/seam_file.h"
+#include "carve/lattice/build.h"
+#include "carve/remap/geometry/points.h"
+#include "carve/rig/transform.h"
+#include "carve/sdf/from_mesh.h"
+#include "carve/sdf/from_points.h"
+#include "carve/seam/carve_map.h"
+#include "formats/geometry_file/curve_file.h"
+#include "formats/mesh_file/mesh_file.h"
+#include "formats/points_file/file.h"
+#include "formats/seam_file/seam_file.h"
+#include "formats/vdb/vdb_file.h"
 #include "tests/support/program.h"
 
 #include <openvdb/tools/Interpolation.h>
@@ -22,7 +22,8 @@
 using namespace fluidcarve;
 using openvdb::Vec3d;
 
-// `pipelines/river.yaml`, run by the program and measured: does the river change its width, and its banks with it?
+// `pipelines/river.yaml`, run by the program and measured: does the river change its width, and its
+// banks with it?
 
 namespace {
 
@@ -33,13 +34,18 @@ const Splat splat{1.4, 1, 3};
 
 using Sampler = openvdb::tools::GridSampler<FloatGrid, openvdb::tools::BoxSampler>;
 
-std::string numbered(const std::string& folder, const std::string& name, int frame, const std::string& ending) {
+std::string numbered(const std::string& folder, const std::string& name, int frame,
+                     const std::string& ending) {
     return folder + "/" + name + ".00" + std::to_string(frame) + ending;
 }
 
-Points points_of(const std::string& path) { return read_points(path, "", PointOffset::detect, in_shot); }
+Points points_of(const std::string& path) {
+    return read_points(path, "", PointOffset::detect, in_shot);
+}
 
-FloatGrid::Ptr ground_of(const Mesh& bank, const openvdb::math::Transform& transform) { return mesh_distance(bank, transform, 3, std::nullopt); }
+FloatGrid::Ptr ground_of(const Mesh& bank, const openvdb::math::Transform& transform) {
+    return mesh_distance(bank, transform, 3, std::nullopt);
+}
 
 /// As the pipeline builds it.
 Lattice channel() {
@@ -62,9 +68,12 @@ struct Carved {
     Mesh bank = read_mesh(TEST_DATA "/river/riverbank.obj").mesh;
 
     explicit Carved(int count) {
-        std::string call = "run pipelines/river.yaml -q --progress none --report " + (scratch / "report.json") + " --set count=" + std::to_string(count);
-        for (const auto& [param, file] : {std::pair("out", "drops.####.vdb"), std::pair("skin", "skin.####.vdb"), std::pair("shore", "bank.####.obj"),
-                                          std::pair("seams", "seams.vdb"), std::pair("sheet", "sheet.png")})
+        std::string call = "run pipelines/river.yaml -q --progress none --report " +
+                           (scratch / "report.json") + " --set count=" + std::to_string(count);
+        for (const auto& [param, file] :
+             {std::pair("out", "drops.####.vdb"), std::pair("skin", "skin.####.vdb"),
+              std::pair("shore", "bank.####.obj"), std::pair("seams", "seams.vdb"),
+              std::pair("sheet", "sheet.png")})
             call += std::string(" --set ") + param + "=" + (scratch / file);
         const auto ran = fluidcarve_program(call);
         INFO(ran.err);
@@ -73,19 +82,29 @@ struct Carved {
         REQUIRE(report["lattices"]["channel"]["folded_cells"] == 0);
     }
 
-    Points drops_before(int frame) const { return points_of(numbered(TEST_DATA "/river", "meander", frame, ".vdb")); }
-    Points drops(int frame) const { return points_of(numbered(scratch / "", "drops", frame, ".vdb")); }
+    Points drops_before(int frame) const {
+        return points_of(numbered(TEST_DATA "/river", "meander", frame, ".vdb"));
+    }
+    Points drops(int frame) const {
+        return points_of(numbered(scratch / "", "drops", frame, ".vdb"));
+    }
     FloatGrid::ConstPtr skin(int frame) const {
-        return openvdb::gridConstPtrCast<FloatGrid>(read_vdb(numbered(scratch / "", "skin", frame, ".vdb")).find("surface"));
+        return openvdb::gridConstPtrCast<FloatGrid>(
+            read_vdb(numbered(scratch / "", "skin", frame, ".vdb")).find("surface"));
     }
     /// The water's surface as it was.
-    FloatGrid::ConstPtr skin_before(int frame) const { return sdf_of_points(drops_before(frame), skin(frame)->transform(), splat); }
+    FloatGrid::ConstPtr skin_before(int frame) const {
+        return sdf_of_points(drops_before(frame), skin(frame)->transform(), splat);
+    }
     /// Which particle came from which.
     std::vector<PointImage> images(int frame, const Points& before) const {
-        const CarveMap map(lattice, {std::make_shared<Seams>(read_seams(scratch / "seams.vdb"))}, frame, std::nullopt);
+        const CarveMap map(lattice, {std::make_shared<Seams>(read_seams(scratch / "seams.vdb"))},
+                           frame, std::nullopt);
         return carve_points(before.positions(), before.identities(), lattice, map, 0).images;
     }
-    Mesh bank_of(int frame) const { return read_mesh(numbered(scratch / "", "bank", frame, ".obj")).mesh; }
+    Mesh bank_of(int frame) const {
+        return read_mesh(numbered(scratch / "", "bank", frame, ".obj")).mesh;
+    }
 };
 
 /// The water across the channel, and the ground on either side, in vertices along u.
@@ -95,7 +114,8 @@ struct Station {
 };
 
 /// At the height where the water is widest, or at a given one.
-Station station(const Lattice& lattice, const FloatGrid& water, const FloatGrid& ground, int k, std::optional<double>& height) {
+Station station(const Lattice& lattice, const FloatGrid& water, const FloatGrid& ground, int k,
+                std::optional<double>& height) {
     const Sampler wet(water), solid(ground);
     const auto at = [&](double u, double v) { return lattice.position(Vec3d(u, v, k)); };
     constexpr double step = 0.05, middle = 8;
@@ -130,15 +150,18 @@ void check_stations(const Carved& carved, double change) {
     for (const int frame : {frames.front(), frames.back()}) {
         const auto after = carved.skin(frame);
         const auto before = carved.skin_before(frame);
-        const auto bank_before = ground_of(carved.bank, after->transform()), bank_after = ground_of(carved.bank_of(frame), after->transform());
+        const auto bank_before = ground_of(carved.bank, after->transform()),
+                   bank_after = ground_of(carved.bank_of(frame), after->transform());
         // Ten, from where the river has settled to where its banks end.
         for (int n = 0; n < 10; ++n) {
             const int k = 46 + 9 * n;
             std::optional<double> height;
-            const auto was = station(carved.lattice, *before, *bank_before, k, height), is = station(carved.lattice, *after, *bank_after, k, height);
-            INFO("frame " << frame << ", plane " << k << ", height " << *height << ": water " << was.left << " to " << was.right << " became " << is.left
-                          << " to " << is.right << ", ground " << was.ground_left << ", " << was.ground_right << " became " << is.ground_left << ", "
-                          << is.ground_right);
+            const auto was = station(carved.lattice, *before, *bank_before, k, height),
+                       is = station(carved.lattice, *after, *bank_after, k, height);
+            INFO("frame " << frame << ", plane " << k << ", height " << *height << ": water "
+                          << was.left << " to " << was.right << " became " << is.left << " to "
+                          << is.right << ", ground " << was.ground_left << ", " << was.ground_right
+                          << " became " << is.ground_left << ", " << is.ground_right);
             CHECK(was.width() > 8);
             CHECK(std::abs(is.width() - was.width() - change) < 1);
             // The bank follows the water's edge.
@@ -154,17 +177,23 @@ void check_density(const Carved& carved) {
         const auto before = carved.drops_before(frame), after = carved.drops(frame);
         const auto& counted = carved.report["points"]["moved"][std::to_string(frame)];
         CHECK(counted["points"] == before.size());
-        CHECK(after.size() == before.size() - counted["deleted"].get<std::size_t>() + counted["copied"].get<std::size_t>());
-        // As many more as the water has more room, within its surface, which stands off the outermost particles.
+        CHECK(after.size() == before.size() - counted["deleted"].get<std::size_t>() +
+                                  counted["copied"].get<std::size_t>());
+        // As many more as the water has more room, within its surface, which stands off the
+        // outermost particles.
         const auto room = [](const FloatGrid& surface) {
             double out = 0;
-            for (auto at = surface.cbeginValueOn(); at; ++at) out += static_cast<double>(*at) < -(splat.radius - 0.5) * voxel;
+            for (auto at = surface.cbeginValueOn(); at; ++at)
+                out += static_cast<double>(*at) < -(splat.radius - 0.5) * voxel;
             return out;
         };
         const auto skin = carved.skin(frame);
-        const FloatGrid::ConstPtr was = carved.skin_before(frame), is = sdf_of_points(after, skin->transform(), splat);
-        const double roomier = room(*is) / room(*was), more = static_cast<double>(after.size()) / static_cast<double>(before.size());
-        INFO("frame " << frame << ": " << before.size() << " became " << after.size() << ", " << more << " times as many in " << roomier << " times the room");
+        const FloatGrid::ConstPtr was = carved.skin_before(frame),
+                                  is = sdf_of_points(after, skin->transform(), splat);
+        const double roomier = room(*is) / room(*was),
+                     more = static_cast<double>(after.size()) / static_cast<double>(before.size());
+        INFO("frame " << frame << ": " << before.size() << " became " << after.size() << ", "
+                      << more << " times as many in " << roomier << " times the room");
         CHECK(more == Approx(roomier).epsilon(0.1));
     }
 }
@@ -178,17 +207,20 @@ void check_kept_out(const Carved& carved) {
         const auto after = carved.drops(frame).positions();
         REQUIRE(images.size() == after.size());
         const auto transform = carved.skin(frame)->transformPtr();
-        const auto ground_before = ground_of(carved.bank, *transform), ground_after = ground_of(carved.bank_of(frame), *transform);
+        const auto ground_before = ground_of(carved.bank, *transform),
+                   ground_after = ground_of(carved.bank_of(frame), *transform);
         const Sampler was(*ground_before), is(*ground_after);
         std::size_t entered = 0;
         double deepest = 0;
         for (std::size_t n = 0; n < after.size(); ++n) {
-            const double distance = was.wsSample(positions[images[n].source]), now = is.wsSample(after[n]);
+            const double distance = was.wsSample(positions[images[n].source]),
+                         now = is.wsSample(after[n]);
             if (distance <= 0 || now >= 0) continue;
             ++entered;
             deepest = std::max(deepest, -now / voxel);
         }
-        INFO("frame " << frame << ": " << entered << " of " << after.size() << ", the deepest " << deepest << " voxels");
+        INFO("frame " << frame << ": " << entered << " of " << after.size() << ", the deepest "
+                      << deepest << " voxels");
         CHECK(entered == 0);
     }
 }
@@ -207,7 +239,8 @@ void check_bank(const Carved& carved) {
     }
     double fastest = 0, jerk = 0;
     for (std::size_t n = 0; n < carved.bank.points.size(); ++n) {
-        const auto first = banks[1].points[n] - banks[0].points[n], second = banks[2].points[n] - banks[1].points[n];
+        const auto first = banks[1].points[n] - banks[0].points[n],
+                   second = banks[2].points[n] - banks[1].points[n];
         fastest = std::max({fastest, first.length() / voxel, second.length() / voxel});
         jerk = std::max(jerk, (second - first).length() / voxel);
     }
@@ -222,15 +255,21 @@ void check_faces(const Carved& carved) {
     std::size_t first = 0, turned = 0, shortened = 0;
     for (const auto end : bank.ends) {
         const auto count = static_cast<std::size_t>(end) - first;
-        const auto point = [&](const Mesh& mesh, std::size_t n) { return mesh.points[static_cast<std::size_t>(mesh.corners[first + n % count])]; };
+        const auto point = [&](const Mesh& mesh, std::size_t n) {
+            return mesh.points[static_cast<std::size_t>(mesh.corners[first + n % count])];
+        };
         const auto normal = [&](const Mesh& mesh) {
             Vec3d out(0);
-            for (std::size_t n = 1; n + 1 < count; ++n) out += (point(mesh, n) - point(mesh, 0)).cross(point(mesh, n + 1) - point(mesh, 0));
+            for (std::size_t n = 1; n + 1 < count; ++n)
+                out += (point(mesh, n) - point(mesh, 0)).cross(point(mesh, n + 1) - point(mesh, 0));
             return out;
         };
-        const auto edge = [&](const Mesh& mesh, std::size_t n) { return (point(mesh, n + 1) - point(mesh, n)).length(); };
+        const auto edge = [&](const Mesh& mesh, std::size_t n) {
+            return (point(mesh, n + 1) - point(mesh, n)).length();
+        };
         turned += normal(bank).dot(normal(carved.bank)) <= 0;
-        for (std::size_t n = 0; n < count; ++n) shortened += edge(bank, n) < 0.25 * edge(carved.bank, n);
+        for (std::size_t n = 0; n < count; ++n)
+            shortened += edge(bank, n) < 0.25 * edge(carved.bank, n);
         first = static_cast<std::size_t>(end);
     }
     CHECK(turned == 0);
@@ -248,7 +287,8 @@ TEST_CASE("a river that is made wider: its bank, its particles and its texture c
     check_faces(carved);
 }
 
-TEST_CASE("a river that is made narrower: its bank, its particles and its texture come along", "[long]") {
+TEST_CASE("a river that is made narrower: its bank, its particles and its texture come along",
+          "[long]") {
     const Carved carved(-6);
     check_stations(carved, -6);
     check_density(carved);

@@ -1,5 +1,5 @@
-#include "nodes/io/vdb_file.h"
-#include "nodes/mesh/mesh_file.h"
+#include "formats/mesh_file/mesh_file.h"
+#include "formats/vdb/vdb_file.h"
 #include "tests/support/program.h"
 
 #include <fmt/format.h>
@@ -14,13 +14,16 @@
 
 using namespace fluidcarve;
 
-// `pipelines/torch.yaml`, run by the program and measured: does the flame wave as before, with its foot on the handle?
+// `pipelines/torch.yaml`, run by the program and measured: does the flame wave as before, with its
+// foot on the handle?
 
 namespace {
 
 constexpr int first_frame = 36, last_frame = 47;
 
-FloatGrid::ConstPtr flame_in(const std::string& path) { return openvdb::gridConstPtrCast<FloatGrid>(read_vdb(path).find("flame")); }
+FloatGrid::ConstPtr flame_in(const std::string& path) {
+    return openvdb::gridConstPtrCast<FloatGrid>(read_vdb(path).find("flame"));
+}
 
 /// The torch, carved by so many seams.
 struct CarvedTorch {
@@ -29,9 +32,12 @@ struct CarvedTorch {
     std::vector<FloatGrid::ConstPtr> before, after;
 
     explicit CarvedTorch(int count, const std::string& pipeline = "torch") {
-        auto call = fmt::format("run pipelines/{}.yaml -q --progress none --report {} --set count={}", pipeline, scratch / "report.json", count);
+        auto call =
+            fmt::format("run pipelines/{}.yaml -q --progress none --report {} --set count={}",
+                        pipeline, scratch / "report.json", count);
         for (const auto& [param, file] :
-             {std::pair("out", "fire.####.vdb"), std::pair("moved", "handle.####.obj"), std::pair("seams", "seams.vdb"), std::pair("sheet", "sheet.png")})
+             {std::pair("out", "fire.####.vdb"), std::pair("moved", "handle.####.obj"),
+              std::pair("seams", "seams.vdb"), std::pair("sheet", "sheet.png")})
             call += fmt::format(" --set {}={}", param, scratch / file);
         const auto ran = fluidcarve_program(call);
         INFO(ran.err);
@@ -42,7 +48,9 @@ struct CarvedTorch {
             after.push_back(flame_in(fmt::format("{}.{:04}.vdb", scratch / "fire", frame)));
         }
     }
-    Mesh handle(int frame) const { return read_mesh(fmt::format("{}.{:04}.obj", scratch / "handle", frame)).mesh; }
+    Mesh handle(int frame) const {
+        return read_mesh(fmt::format("{}.{:04}.obj", scratch / "handle", frame)).mesh;
+    }
 };
 
 /// The flame at one height, seen along y.
@@ -60,7 +68,8 @@ Section section(const FloatGrid& flame, int height) {
         moment += *voxel * at.x();
         brightest[at.x()] = std::max(brightest[at.x()], static_cast<double>(*voxel));
     }
-    return {moment / sum, static_cast<double>(std::ranges::count_if(brightest, [](const auto& column) { return column.second > 0.05; }))};
+    return {moment / sum, static_cast<double>(std::ranges::count_if(
+                              brightest, [](const auto& column) { return column.second > 0.05; }))};
 }
 
 /// Middles of the flame over the frames, less their mean.
@@ -83,8 +92,10 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
 void check_waving(const CarvedTorch& carved) {
     for (const int height : {20, 28}) {
         const auto was = waving(carved.before, height), is = waving(carved.after, height);
-        const double rhythm = dot(was, is) / std::sqrt(dot(was, was) * dot(is, is)), reach = std::sqrt(dot(is, is) / dot(was, was));
-        INFO("height " << height << ": correlation " << rhythm << ", amplitude " << reach << " of before");
+        const double rhythm = dot(was, is) / std::sqrt(dot(was, was) * dot(is, is)),
+                     reach = std::sqrt(dot(is, is) / dot(was, was));
+        INFO("height " << height << ": correlation " << rhythm << ", amplitude " << reach
+                       << " of before");
         CHECK(rhythm > 0.9);
         CHECK(reach > 0.5);
         CHECK(reach < 1.6);
@@ -94,7 +105,8 @@ void check_waving(const CarvedTorch& carved) {
 /// Below the lattice all stays bit for bit: the flame's foot, and the handle.
 void check_foot(const CarvedTorch& carved) {
     const auto handle = read_mesh(TEST_DATA "/torch/handle.obj").mesh;
-    for (int frame = first_frame; frame <= last_frame; ++frame) CHECK(carved.handle(frame).points == handle.points);
+    for (int frame = first_frame; frame <= last_frame; ++frame)
+        CHECK(carved.handle(frame).points == handle.points);
     for (std::size_t t = 0; t < carved.before.size(); ++t) {
         std::size_t different = 0, there = 0;
         for (auto voxel = carved.before[t]->cbeginValueOn(); voxel; ++voxel)
@@ -112,14 +124,20 @@ double widened(const CarvedTorch& carved) {
     double out = 0;
     int count = 0;
     for (std::size_t t = 0; t < carved.before.size(); ++t)
-        for (int height = 26; height <= 46; height += 4, ++count) out += section(*carved.after[t], height).width - section(*carved.before[t], height).width;
+        for (int height = 26; height <= 46; height += 4, ++count)
+            out +=
+                section(*carved.after[t], height).width - section(*carved.before[t], height).width;
     return out / count;
 }
 
 }  // namespace
 
-TEST_CASE("a flame that is made lower or higher along its path keeps its width, its sway and its foot", "[long]") {
-    const auto height = [](const FloatGrid& flame) { return flame.evalActiveVoxelBoundingBox().max().z(); };
+TEST_CASE(
+    "a flame that is made lower or higher along its path keeps its width, its sway and its foot",
+    "[long]") {
+    const auto height = [](const FloatGrid& flame) {
+        return flame.evalActiveVoxelBoundingBox().max().z();
+    };
     for (const int count : {-40, 24}) {
         const CarvedTorch carved(count, "flame_lower");
         check_foot(carved);
@@ -127,9 +145,12 @@ TEST_CASE("a flame that is made lower or higher along its path keeps its width, 
         for (std::size_t t = 0; t < carved.before.size(); ++t) {
             was += height(*carved.before[t]);
             is += height(*carved.after[t]);
-            for (const int from : {14, 18}) wider += section(*carved.after[t], from).width / section(*carved.before[t], from).width;
+            for (const int from : {14, 18})
+                wider +=
+                    section(*carved.after[t], from).width / section(*carved.before[t], from).width;
         }
-        INFO("count " << count << ": height " << is / was << " of before, width " << wider / (2.0 * static_cast<double>(carved.before.size())));
+        INFO("count " << count << ": height " << is / was << " of before, width "
+                      << wider / (2.0 * static_cast<double>(carved.before.size())));
         if (count < 0) CHECK(is < 0.75 * was);
         else CHECK(is > 1.15 * was);
         CHECK(wider / (2.0 * static_cast<double>(carved.before.size())) == Approx(1).margin(0.3));

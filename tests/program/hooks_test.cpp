@@ -19,18 +19,31 @@ struct Node {
 };
 fluidcarve::NodeType node() { return fluidcarve::Declare<Node>("toy.node", "A node.").output("number", &Node::Ports::number, "A number."); }
 )");
-    return call_shell("c++ -std=c++20 -fsyntax-only -DFLUIDCARVE_VERSION='\"0\"' -I " SOURCE_ROOT " " + file + " 2>&1").out;
+    return call_shell("c++ -std=c++20 -fsyntax-only -DFLUIDCARVE_VERSION='\"0\"' -I " SOURCE_ROOT
+                      " " +
+                      file + " 2>&1")
+        .out;
 }
 
 }  // namespace
 
-TEST_CASE("a hook of the wrong signature does not compile, and the compiler says what it must be", "[long]") {
-    CHECK(compiled("void resume(const fluidcarve::Payload&, const nlohmann::ordered_json&) {}") == "");
-    CHECK_THAT(compiled("void resume(int) {}"), Catch::Contains("`resume` must be `void resume(const Payload& result, const nlohmann::ordered_json& entry)`"));
-    CHECK_THAT(compiled("static bool wants(int) { return true; }"), Catch::Contains("`wants` must be `static bool wants(const Params&, const Context&)`"));
-    CHECK_THAT(compiled("static void survey() {}"), Catch::Contains("`survey` must be `static void survey(const Params&, Survey&)`"));
-    CHECK_THAT(compiled("static void foresee() {}"), Catch::Contains("`foresee` must be `static void foresee(const Params&, Outlook&)`"));
+TEST_CASE("a hook of the wrong signature does not compile, and the compiler says what it must be",
+          "[long]") {
+    CHECK(compiled("void resume(const fluidcarve::Payload&, const nlohmann::ordered_json&) {}") ==
+          "");
+    CHECK_THAT(compiled("void resume(int) {}"),
+               Catch::Contains("`resume` must be `void resume(const Payload& result, const "
+                               "nlohmann::ordered_json& entry)`"));
+    CHECK_THAT(
+        compiled("static bool wants(int) { return true; }"),
+        Catch::Contains("`wants` must be `static bool wants(const Params&, const Context&)`"));
+    CHECK_THAT(compiled("static void survey() {}"),
+               Catch::Contains("`survey` must be `static void survey(const Params&, Survey&)`"));
+    CHECK_THAT(compiled("static void foresee() {}"),
+               Catch::Contains("`foresee` must be `static void foresee(const Params&, Outlook&)`"));
     CHECK_THAT(compiled("static void conclude(int) {}"),
-               Catch::Contains("`conclude` must be `static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&)`"));
-    CHECK_THAT(compiled("static int digest(int) { return 0; }"), Catch::Contains("`digest` must be `static std::shared_ptr<T> digest("));
+               Catch::Contains("`conclude` must be `static void conclude(const Params&, const "
+                               "nlohmann::ordered_json& frames, Context&)`"));
+    CHECK_THAT(compiled("static int digest(int) { return 0; }"),
+               Catch::Contains("`digest` must be `static std::shared_ptr<T> digest("));
 }

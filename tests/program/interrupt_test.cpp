@@ -14,13 +14,17 @@ class Copies {
 public:
     explicit Copies(int frames) {
         fs::copy_file(TEST_DATA "/plume/plume.0051.vdb", scratch / "in.0001.vdb");
-        scratch.write("p.yaml", "fluidcarve: 1\nframes: 1-" + std::to_string(frames) + "\nnodes:\n  sim: {type: vdb.read, path: in.####.vdb, missing: hold}\n" +
-                                    "  out: {type: vdb.write, source: sim, path: \"" + (scratch / "out/o.####.vdb") + "\"}\n");
+        scratch.write("p.yaml",
+                      "fluidcarve: 1\nframes: 1-" + std::to_string(frames) +
+                          "\nnodes:\n  sim: {type: vdb.read, path: in.####.vdb, missing: hold}\n" +
+                          "  out: {type: vdb.write, source: sim, path: \"" +
+                          (scratch / "out/o.####.vdb") + "\"}\n");
     }
     std::string run() const { return FLUIDCARVE_PROGRAM " run " + (scratch / "p.yaml") + " "; }
     std::set<std::string> files() const {
         std::set<std::string> out;
-        for (const auto& entry : fs::directory_iterator(scratch / "out")) out.insert(entry.path().filename().string());
+        for (const auto& entry : fs::directory_iterator(scratch / "out"))
+            out.insert(entry.path().filename().string());
         return out;
     }
 
@@ -40,15 +44,17 @@ TEST_CASE("a file beyond the limit of sizes is an error that names it, and leave
     const Copies copies(1);
     const auto ran = call_shell("ulimit -f 8; " + copies.run() + "--no-cache --progress none");
     CHECK(ran.code == 1);
-    CHECK(ran.err ==
-          "failed: out (vdb.write), frame 1: cannot write " + (copies.scratch / "out/o.0001.vdb") + ": the file did not come out whole; is the disk full?\n");
+    CHECK(ran.err == "failed: out (vdb.write), frame 1: cannot write " +
+                         (copies.scratch / "out/o.0001.vdb") +
+                         ": the file did not come out whole; is the disk full?\n");
     CHECK(copies.files().empty());
 }
 
 TEST_CASE("a terminal that is closed stops a run, and leaves no part of a file") {
     const Copies copies(4000);
-    const auto ran = call_shell("env --default-signal=HUP " + copies.run() + "--progress none & pid=$!; until [ -e " + (copies.scratch / "out/o.0003.vdb") +
-                                " ]; do sleep 0.02; done; kill -HUP $pid; wait $pid");
+    const auto ran = call_shell(
+        "env --default-signal=HUP " + copies.run() + "--progress none & pid=$!; until [ -e " +
+        (copies.scratch / "out/o.0003.vdb") + " ]; do sleep 0.02; done; kill -HUP $pid; wait $pid");
     CHECK(ran.code == 130);
     const auto files = copies.files();
     CHECK(files.size() > 2);

@@ -14,16 +14,21 @@ namespace {
 
 /// The ring, small and quick, with all that it writes in a folder.
 std::string ring(const Scratch& scratch) {
-    return "run pipelines/vortex.yaml --progress none --set count=-2 --set out=" + (scratch / "ring.####.vdb") + " --set seams=" + (scratch / "seams.vdb") +
+    return "run pipelines/vortex.yaml --progress none --set count=-2 --set out=" +
+           (scratch / "ring.####.vdb") + " --set seams=" + (scratch / "seams.vdb") +
            " --set sheet=" + (scratch / "sheet.png") + " ";
 }
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
 
-/// What a browser says of a page in a window of a width: {inner, scroll, background, pictures, loaded, outside}.
+/// What a browser says of a page in a window of a width: {inner, scroll, background, pictures,
+/// loaded, outside}.
 nlohmann::json look(const Scratch& scratch, const std::string& page, int width, bool dark) {
     // Windows of a browser are no narrower than 500 pixels; frames are.
-    const auto frame = scratch.write("frame.html", R"js(<style>body { margin: 0 }</style><script>
+    const auto frame =
+        scratch.write("frame.html", R"js(<style>body { margin: 0 }</style><script>
         function look(frame) {
             const inside = frame.contentDocument, all = [...inside.querySelectorAll('body *')];
             const out = document.createElement('pre');
@@ -36,14 +41,18 @@ nlohmann::json look(const Scratch& scratch, const std::string& page, int width, 
                 outside: all.filter(each => each.getBoundingClientRect().right > frame.contentWindow.innerWidth + 1 && !each.closest('.scroll')).length});
             document.head.append(out);
         }</script><iframe onload="look(this)" src="file://)js" +
-                                                       page + "\" style=\"border: 0; height: 3600px; width: " + std::to_string(width) + "px\"></iframe>");
+                                        page + "\" style=\"border: 0; height: 3600px; width: " +
+                                        std::to_string(width) + "px\"></iframe>");
     const auto pictures = fs::path(FLUIDCARVE_PROGRAM).parent_path() / "page";
     fs::create_directories(pictures);
-    const auto picture = (pictures / (std::to_string(width) + (dark ? "_dark.png" : "_light.png"))).string();
+    const auto picture =
+        (pictures / (std::to_string(width) + (dark ? "_dark.png" : "_light.png"))).string();
     fs::remove(picture);
     const auto called = call_shell(
-        "timeout 120 chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --allow-file-access-from-files --user-data-dir=" + (scratch / "profile") +
-        " --blink-settings=preferredColorScheme=" + (dark ? "0" : "1") + " --window-size=" + std::to_string(std::max(500, width)) +
+        "timeout 120 chromium --headless --no-sandbox --disable-gpu --hide-scrollbars "
+        "--allow-file-access-from-files --user-data-dir=" +
+        (scratch / "profile") + " --blink-settings=preferredColorScheme=" + (dark ? "0" : "1") +
+        " --window-size=" + std::to_string(std::max(500, width)) +
         ",3600 --dump-dom --screenshot=" + picture + " file://" + frame);
     std::smatch found;
     INFO(called.err);
@@ -54,10 +63,14 @@ nlohmann::json look(const Scratch& scratch, const std::string& page, int width, 
 
 }  // namespace
 
-TEST_CASE("a run's page has the picture, the graph, the times, the seams and every value, and stands alone", "[long]") {
+TEST_CASE(
+    "a run's page has the picture, the graph, the times, the seams and every value, and stands "
+    "alone",
+    "[long]") {
     const Scratch scratch;
     const auto page = scratch / "new/folder/page.html";
-    const auto ran = fluidcarve_program(ring(scratch) + "-q --html " + page + " --report " + (scratch / "report.json"));
+    const auto ran = fluidcarve_program(ring(scratch) + "-q --html " + page + " --report " +
+                                        (scratch / "report.json"));
     CHECK(ran.err == "");
     REQUIRE(ran.code == 0);
     const auto text = Scratch::read(page);
@@ -76,15 +89,18 @@ print(picture == open(sys.argv[2], 'rb').read())
     CHECK(checked.err == "");
     CHECK(checked.out == "True\n");
     for (const auto* part :
-         {"Done: 6 frames", "2 removed", "<g class=\"node heat", "seam.pyramid", "<circle class=\"energy\"", "--set", "pipelines/vortex.yaml:", "default"})
+         {"Done: 6 frames", "2 removed", "<g class=\"node heat", "seam.pyramid",
+          "<circle class=\"energy\"", "--set", "pipelines/vortex.yaml:", "default"})
         CHECK(contains(text, part));
     const auto report = nlohmann::json::parse(Scratch::read(scratch / "report.json"));
-    for (const auto& [name, node] : report["nodes"].items()) CHECK(contains(text, "<a href=\"#node-" + name + "\">" + name + "</a>"));
+    for (const auto& [name, node] : report["nodes"].items())
+        CHECK(contains(text, "<a href=\"#node-" + name + "\">" + name + "</a>"));
 }
 
 TEST_CASE("a run that fails has its page, too") {
     const Scratch scratch;
-    const auto ran = fluidcarve_program(ring(scratch) + "--set sim=" + (scratch / "no.####.vdb") + " --html " + (scratch / "page.html"));
+    const auto ran = fluidcarve_program(ring(scratch) + "--set sim=" + (scratch / "no.####.vdb") +
+                                        " --html " + (scratch / "page.html"));
     CHECK(ran.code == 3);
     const auto text = Scratch::read(scratch / "page.html");
     CHECK(well_formed(text));
@@ -93,16 +109,21 @@ TEST_CASE("a run that fails has its page, too") {
     CHECK(contains(text, scratch / "no.0041.vdb"));
 }
 
-TEST_CASE("page and profile are never written over what a pipeline uses, over each other, or where nothing can be written") {
+TEST_CASE(
+    "page and profile are never written over what a pipeline uses, over each other, or where "
+    "nothing can be written") {
     const Scratch scratch;
     const auto refused = [&](const std::string& options, int code, const std::string& message) {
         const auto ran = fluidcarve_program(ring(scratch) + options);
         CHECK(ran.code == code);
         CHECK(ran.err == message);
     };
-    refused("--html " + (scratch / "ring.0042.vdb"), 2, "--html would overwrite " + (scratch / "ring.0042.vdb") + ": 'out' writes it\n");
-    refused("--profile pipelines/vortex.yaml", 2, "--profile would overwrite pipelines/vortex.yaml: it is the pipeline\n");
-    refused("--report " + (scratch / "a") + " --html " + (scratch / "./a"), 2, "--report and --html name the same file: " + (scratch / "./a") + "\n");
+    refused("--html " + (scratch / "ring.0042.vdb"), 2,
+            "--html would overwrite " + (scratch / "ring.0042.vdb") + ": 'out' writes it\n");
+    refused("--profile pipelines/vortex.yaml", 2,
+            "--profile would overwrite pipelines/vortex.yaml: it is the pipeline\n");
+    refused("--report " + (scratch / "a") + " --html " + (scratch / "./a"), 2,
+            "--report and --html name the same file: " + (scratch / "./a") + "\n");
     const auto file = scratch.write("file", "");
     const auto ran = fluidcarve_program(ring(scratch) + "--html " + file + "/page.html");
     CHECK(ran.code == 1);
@@ -110,23 +131,30 @@ TEST_CASE("page and profile are never written over what a pipeline uses, over ea
     CHECK_FALSE(fs::exists(scratch / "sheet.png"));
 }
 
-TEST_CASE("a profile is a trace that says which node ran when, on which thread, and what was kept and loaded") {
+TEST_CASE(
+    "a profile is a trace that says which node ran when, on which thread, and what was kept and "
+    "loaded") {
     const Scratch scratch;
     const auto profile = [&] {
-        REQUIRE(fluidcarve_program(ring(scratch) + "-q --threads 2 --work " + (scratch / "work") + " --profile " + (scratch / "trace.json")).code == 0);
+        REQUIRE(fluidcarve_program(ring(scratch) + "-q --threads 2 --work " + (scratch / "work") +
+                                   " --profile " + (scratch / "trace.json"))
+                    .code == 0);
         std::map<std::string, std::set<std::string>> out;
         const auto trace = nlohmann::json::parse(Scratch::read(scratch / "trace.json"));
         for (const auto& event : trace["traceEvents"])
             if (event["ph"] == "X") {
                 CHECK(event["dur"].get<double>() >= 0);
                 CHECK(event["tid"].get<int>() >= 1);
-                out[event["cat"]].insert(event["name"].get<std::string>() + (event["args"].contains("frame") ? " " + event["args"]["frame"].dump() : ""));
+                out[event["cat"]].insert(
+                    event["name"].get<std::string>() +
+                    (event["args"].contains("frame") ? " " + event["args"]["frame"].dump() : ""));
             }
         return out;
     };
     auto seen = profile();
     for (const auto* frame : {"41", "43", "46"})
-        for (const auto* node : {"sim ", "edges ", "energy ", "carved ", "out "}) CHECK(seen["run"].count(std::string(node) + frame) == 1);
+        for (const auto* node : {"sim ", "edges ", "energy ", "carved ", "out "})
+            CHECK(seen["run"].count(std::string(node) + frame) == 1);
     CHECK(seen["finish"].count("seams") == 1);
     CHECK(seen["keep"].count("edges 41") == 1);
     fs::remove(scratch / "ring.0042.vdb");
@@ -135,7 +163,8 @@ TEST_CASE("a profile is a trace that says which node ran when, on which thread, 
     CHECK(seen["load"].count("seams") == 1);
 }
 
-TEST_CASE("a browser shows the page wide and narrow, light and dark, without scrolling sideways", "[browser]") {
+TEST_CASE("a browser shows the page wide and narrow, light and dark, without scrolling sideways",
+          "[browser]") {
     if (call_shell("command -v chromium").code != 0) {
         WARN("chromium is not installed: the page was not looked at");
         return;

@@ -12,33 +12,42 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A shot of a plume, a mesh and points, written as it was read, and the stage that holds it together.
+/// A shot of a plume, a mesh and points, written as it was read, and the stage that holds it
+/// together.
 std::string shot(const Scratch& scratch, const std::string& out) {
     for (int frame = 51; frame <= 53; ++frame) {
         const auto number = std::to_string(frame);
-        scratch.write("m.00" + number + ".obj", "v " + number + " 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n");
+        scratch.write("m.00" + number + ".obj",
+                      "v " + number + " 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n");
         scratch.write("p.00" + number + ".ply",
-                      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+                      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float "
+                      "y\nproperty float z\n"
                       "property float radius\nend_header\n1 2 " +
                           number + " 0.5\n");
     }
     const auto at = [&](const std::string& name) { return "path: " + (scratch / name) + "}\n"; };
-    return scratch.write(out + ".yaml",
-                         "fluidcarve: 1\nframes: 51-53\nnodes:\n"
-                         "  sim: {type: vdb.read, translate: [1, 2, 3], scale: 2, path: " TEST_DATA
-                         "/plume/plume.####.vdb}\n"
-                         "  mesh: {type: mesh.read, " +
-                             at("m.####.obj") + "  points: {type: points.read, " + at("p.####.ply") + "  smoke: {type: vdb.write, source: sim, " +
-                             at(out + "/vdb/smoke.####.vdb") + "  bank: {type: mesh.write, source: mesh, " + at(out + "/geo/bank.####.usda") +
-                             "  drops: {type: points.write, source: points, " + at(out + "/geo/drops.####.usda") +
-                             "  stage: {type: usd.write, volumes: {smoke: sim}, files: {smoke: " + (scratch / (out + "/vdb/smoke.####.vdb")) +
-                             ", bank: " + (scratch / (out + "/geo/bank.####.usda")) + ", drops: " + (scratch / (out + "/geo/drops.####.usda")) +
-                             "}, fps: 25, up: y, " + at(out + "/shot.usda"));
+    return scratch.write(
+        out + ".yaml",
+        "fluidcarve: 1\nframes: 51-53\nnodes:\n"
+        "  sim: {type: vdb.read, translate: [1, 2, 3], scale: 2, path: " TEST_DATA
+        "/plume/plume.####.vdb}\n"
+        "  mesh: {type: mesh.read, " +
+            at("m.####.obj") + "  points: {type: points.read, " + at("p.####.ply") +
+            "  smoke: {type: vdb.write, source: sim, " + at(out + "/vdb/smoke.####.vdb") +
+            "  bank: {type: mesh.write, source: mesh, " + at(out + "/geo/bank.####.usda") +
+            "  drops: {type: points.write, source: points, " + at(out + "/geo/drops.####.usda") +
+            "  stage: {type: usd.write, volumes: {smoke: sim}, files: {smoke: " +
+            (scratch / (out + "/vdb/smoke.####.vdb")) +
+            ", bank: " + (scratch / (out + "/geo/bank.####.usda")) +
+            ", drops: " + (scratch / (out + "/geo/drops.####.usda")) + "}, fps: 25, up: y, " +
+            at(out + "/shot.usda"));
 }
 
 }  // namespace
 
-TEST_CASE("a shot of volumes, meshes and points is one USD stage, and the same from any chunk of its frames") {
+TEST_CASE(
+    "a shot of volumes, meshes and points is one USD stage, and the same from any chunk of its "
+    "frames") {
     const Scratch scratch;
     const auto run = [&](const std::string& out, const std::string& more) {
         const auto ran = fluidcarve_program("run -q --progress none " + shot(scratch, out) + more);
@@ -72,7 +81,8 @@ TEST_CASE("a shot of volumes, meshes and points is one USD stage, and the same f
         REQUIRE(samples.size() == 3);
         for (std::size_t n = 0; n < 3; ++n) {
             CHECK(samples[n].first == 51 + static_cast<int>(n));
-            CHECK(samples[n].second.text == "./vdb/smoke.00" + std::to_string(samples[n].first) + ".vdb");
+            CHECK(samples[n].second.text ==
+                  "./vdb/smoke.00" + std::to_string(samples[n].first) + ".vdb");
             CHECK(fs::exists(scratch / ("whole/" + samples[n].second.text)));
         }
     }
@@ -85,7 +95,8 @@ TEST_CASE("a shot of volumes, meshes and points is one USD stage, and the same f
         const auto& metadata = stage.prim(name).metadata;
         const auto& clips = metadata.at("clips").entries.at("dictionary default").entries;
         Texts files;
-        for (const auto* const number : {"51", "52", "53"}) files.push_back("./geo/" + name + ".00" + number + ".usda");
+        for (const auto* const number : {"51", "52", "53"})
+            files.push_back("./geo/" + name + ".00" + number + ".usda");
         CHECK(metadata.at("prepend references").text == files[1]);
         CHECK(clips.at("asset manifestAssetPath").text == files[1]);
         CHECK(clips.at("asset[] assetPaths").texts() == files);
@@ -93,26 +104,34 @@ TEST_CASE("a shot of volumes, meshes and points is one USD stage, and the same f
         for (std::size_t n = 0; n < 3; ++n) {
             const auto clip = UsdaReader::read(Scratch::read(scratch / ("whole/" + files[n])));
             CHECK("/" + clip.metadata.at("defaultPrim").text == clips.at("string primPath").text);
-            const auto& samples = clip.prim("geometry").properties.at("point3f[] points.timeSamples").samples;
+            const auto& samples =
+                clip.prim("geometry").properties.at("point3f[] points.timeSamples").samples;
             REQUIRE(samples.size() == 1);
             CHECK(samples[0].first == 51 + static_cast<int>(n));
-            CHECK(samples[0].second.items.at(0).items.at(name == "bank" ? 0 : 2).text == std::to_string(51 + n));
+            CHECK(samples[0].second.items.at(0).items.at(name == "bank" ? 0 : 2).text ==
+                  std::to_string(51 + n));
         }
     }
 }
 
 TEST_CASE("every shipped shot of volumes can be written as a stage") {
     const Scratch scratch;
-    const auto check = [&](const std::string& pipeline, const std::string& more = {}, const std::string& files = {}) {
+    const auto check = [&](const std::string& pipeline, const std::string& more = {},
+                           const std::string& files = {}) {
         INFO(pipeline);
-        const auto file = scratch.write(
-            "p.yaml", "fluidcarve: 1\nextends: " SOURCE_ROOT "/pipelines/" + pipeline + ".yaml\n" + more +
-                          "nodes:\n  usd: {type: usd.write, path: out/shot.usda, volumes: {volume: carved}, files: {volume: \"${out}\"" + files + "}}\n");
+        const auto file =
+            scratch.write("p.yaml", "fluidcarve: 1\nextends: " SOURCE_ROOT "/pipelines/" +
+                                        pipeline + ".yaml\n" + more +
+                                        "nodes:\n  usd: {type: usd.write, path: out/shot.usda, "
+                                        "volumes: {volume: carved}, files: {volume: \"${out}\"" +
+                                        files + "}}\n");
         const auto checked = fluidcarve_program("check " + file);
         CHECK(checked.err == "");
         CHECK(checked.code == 0);
     };
-    for (const auto* const pipeline : {"plume", "plume_wide", "plume_ramp", "plume_path", "vortex", "bonfire_hot"}) check(pipeline);
+    for (const auto* const pipeline :
+         {"plume", "plume_wide", "plume_ramp", "plume_path", "vortex", "bonfire_hot"})
+        check(pipeline);
     check("bonfire", "params: {moved: {default: out/firepit.usda}}\n", ", pit: \"${moved}\"");
     check("river", "params: {shore: {default: out/riverbank.####.usda}}\n", ", bank: \"${shore}\"");
 }

@@ -10,7 +10,8 @@ namespace {
 
 /// The plume, short, with all that it writes in a folder.
 std::string short_plume(const Scratch& scratch) {
-    return "pipelines/plume.yaml --set frames=51-52 --set count=-3 --set out=" + (scratch / "plume.####.vdb") + " --set seams=" + (scratch / "seams.vdb") +
+    return "pipelines/plume.yaml --set frames=51-52 --set count=-3 --set out=" +
+           (scratch / "plume.####.vdb") + " --set seams=" + (scratch / "seams.vdb") +
            " --set sheet=" + (scratch / "sheet.png") + " --work " + (scratch / "work");
 }
 
@@ -20,7 +21,8 @@ TEST_CASE("view shows where seams are to be found, and the carve once there are 
     const Scratch scratch;
     const auto page = scratch / "out/view.html";
     const auto view = [&](const std::string& options) {
-        const auto ran = fluidcarve_program("view " + short_plume(scratch) + " -o " + page + options);
+        const auto ran =
+            fluidcarve_program("view " + short_plume(scratch) + " -o " + page + options);
         INFO(ran.err);
         REQUIRE(ran.code == 0);
         CHECK(ran.out == page + "\n");
@@ -28,11 +30,13 @@ TEST_CASE("view shows where seams are to be found, and the carve once there are 
     };
     const auto [before, told] = view("");
     CHECK_THAT(before, Catch::Contains("\"sets\":[]") && Catch::Contains("\"energyRange\":[0,"));
-    CHECK_THAT(told, Catch::Contains("the seams are not found yet: the page shows where; --solve finds them"));
+    CHECK_THAT(told, Catch::Contains(
+                         "the seams are not found yet: the page shows where; --solve finds them"));
     CHECK_FALSE(fs::exists(scratch / "seams.vdb"));
     const auto [after, silent] = view(" --solve -q");
     CHECK(silent == "");
-    CHECK_THAT(after, Catch::Contains("\"setting\":\"count\",\"count\":3,") && Catch::Contains("\"kind\":\"remove\""));
+    CHECK_THAT(after, Catch::Contains("\"setting\":\"count\",\"count\":3,") &&
+                          Catch::Contains("\"kind\":\"remove\""));
     // What an earlier run found is shown without a word.
     CHECK(view(" -q").first == after);
     CHECK_FALSE(fs::exists(scratch / "plume.0051.vdb"));
@@ -43,7 +47,8 @@ TEST_CASE("the pages of shipped pipelines stay below 2 MB", "[long]") {
     for (const std::string name : {"plume", "vortex", "river", "image"}) {
         INFO(name);
         const auto page = scratch / (name + ".html");
-        REQUIRE(fluidcarve_program("view pipelines/" + name + ".yaml --solve -q -o " + page).code == 0);
+        REQUIRE(fluidcarve_program("view pipelines/" + name + ".yaml --solve -q -o " + page).code ==
+                0);
         CHECK(fs::file_size(page) < 2 << 20);
         CHECK_THAT(Scratch::read(page), !Catch::Contains("\"sets\":[]"));
     }
@@ -51,11 +56,12 @@ TEST_CASE("the pages of shipped pipelines stay below 2 MB", "[long]") {
 
 TEST_CASE("view says what a pipeline lacks to be shown") {
     const Scratch scratch;
-    const auto pipeline = scratch.write("p.yaml",
-                                        "fluidcarve: 1\nframes: 51\nnodes:\n"
-                                        "  sim: {type: vdb.read, path: " SOURCE_ROOT
-                                        "/tests/data/plume/plume.####.vdb, grids: {density: float}}\n"
-                                        "  out: {type: vdb.write, source: sim, path: out/o.####.vdb}\n");
+    const auto pipeline =
+        scratch.write("p.yaml",
+                      "fluidcarve: 1\nframes: 51\nnodes:\n"
+                      "  sim: {type: vdb.read, path: " SOURCE_ROOT
+                      "/tests/data/plume/plume.####.vdb, grids: {density: float}}\n"
+                      "  out: {type: vdb.write, source: sim, path: out/o.####.vdb}\n");
     const auto ran = fluidcarve_program("view " + pipeline);
     CHECK(ran.code == 2);
     CHECK_THAT(ran.err, Catch::Contains("nothing says what to show; add a preview.page"));
@@ -63,15 +69,18 @@ TEST_CASE("view says what a pipeline lacks to be shown") {
 
 TEST_CASE("the report page links to the page of a preview.page") {
     const Scratch scratch;
-    const auto pipeline = scratch.write("p.yaml",
-                                        "fluidcarve: 1\nframes: 51\nnodes:\n"
-                                        "  sim: {type: vdb.read, path: " SOURCE_ROOT
-                                        "/tests/data/plume/plume.####.vdb, grids: {density: float}}\n"
-                                        "  page: {type: preview.page, before: sim, path: \"" +
-                                            (scratch / "a folder/page.html") + "\"}\n");
-    const auto ran = fluidcarve_program("run " + pipeline + " -q --html " + (scratch / "report.html"));
+    const auto pipeline =
+        scratch.write("p.yaml",
+                      "fluidcarve: 1\nframes: 51\nnodes:\n"
+                      "  sim: {type: vdb.read, path: " SOURCE_ROOT
+                      "/tests/data/plume/plume.####.vdb, grids: {density: float}}\n"
+                      "  page: {type: preview.page, before: sim, path: \"" +
+                          (scratch / "a folder/page.html") + "\"}\n");
+    const auto ran =
+        fluidcarve_program("run " + pipeline + " -q --html " + (scratch / "report.html"));
     INFO(ran.err);
     REQUIRE(ran.code == 0);
     CHECK(fs::exists(scratch / "a folder/page.html"));
-    CHECK_THAT(Scratch::read(scratch / "report.html"), Catch::Contains("href=\"a%20folder/page.html\"") && !Catch::Contains("<script"));
+    CHECK_THAT(Scratch::read(scratch / "report.html"),
+               Catch::Contains("href=\"a%20folder/page.html\"") && !Catch::Contains("<script"));
 }

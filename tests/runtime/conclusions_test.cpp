@@ -1,6 +1,6 @@
 #include "runtime/run/conclusions.h"
 #include "graph/build_pipeline.h"
-
+#include "graph/types/node_type.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -19,11 +19,13 @@ struct Weigh {
         Ref<toy::Number> number, weight;
     };
     static void run(const Params&, Ports& io, Context&) { io.weight = io.number; }
-    static void conclude(const Params& params, const nlohmann::ordered_json& frames, Context& context) {
+    static void conclude(const Params& params, const nlohmann::ordered_json& frames,
+                         Context& context) {
         if (params.fails) throw std::runtime_error("no scales");
         double sum = 0;
         for (const auto& frame : frames) sum += frame.get<double>();
-        context.tell(fmt::format("{} in {} of {}\nframes", sum, frames.size(), context.frames().size()));
+        context.tell(
+            fmt::format("{} in {} of {}\nframes", sum, frames.size(), context.frames().size()));
         context.report("sums", {{"sum", sum}});
         context.warn("heavy");
     }
@@ -39,14 +41,18 @@ struct Weighing {
                                   .concludes("weights")));
         Problems problems;
         const auto text =
-            "fluidcarve: 1\nframes: 1-4\nnodes:\n  count: {type: toy.count, path: in.##}\n  weigh: {type: toy.weigh, number: count" + params + "}\n";
-        pipeline = build_pipeline(read_document(scratch.write("p.yaml", text), {}, problems), registry, problems);
+            "fluidcarve: 1\nframes: 1-4\nnodes:\n  count: {type: toy.count, path: in.##}\n  weigh: "
+            "{type: toy.weigh, number: count" +
+            params + "}\n";
+        pipeline = build_pipeline(read_document(scratch.write("p.yaml", text), {}, problems),
+                                  registry, problems);
         REQUIRE(to_text(problems) == "");
         shares.resize(2);
         shares[1].frames = 3;
     }
     void conclude_of(Report& report, int frames) const {
-        for (int n = 1; n <= frames; ++n) report.entry(1, "weights", {{std::to_string(n), n * 1.5}});
+        for (int n = 1; n <= frames; ++n)
+            report.entry(1, "weights", {{std::to_string(n), n * 1.5}});
         conclude(pipeline, Timelines(pipeline, {}), shares, report);
     }
 
@@ -82,6 +88,8 @@ TEST_CASE("a conclusion that fails is a warning, and ends no run") {
     const Weighing weighing(", fails: true");
     Report report(weighing.pipeline);
     weighing.conclude_of(report, 3);
-    CHECK(report.warnings() == std::vector<std::string>{"weigh (toy.weigh): can't say what came of its frames: no scales"});
+    CHECK(report.warnings() ==
+          std::vector<std::string>{
+              "weigh (toy.weigh): can't say what came of its frames: no scales"});
     CHECK(report.lines().empty());
 }

@@ -8,7 +8,9 @@ using namespace fluidcarve;
 
 namespace {
 
-void wait(int milliseconds) { std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds)); }
+void wait(int milliseconds) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+}
 
 }  // namespace
 
@@ -26,7 +28,8 @@ TEST_CASE("while two bodies work at once, each counts for half of the time") {
         first = one.end();
         CHECK(one.end() == first);
     }
-    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double wall =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     CHECK(second >= 0.02);
     CHECK(first >= 0.06);
     CHECK(first + second <= wall);

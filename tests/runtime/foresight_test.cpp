@@ -1,5 +1,6 @@
 #include "runtime/run/foresight.h"
 #include "graph/build_pipeline.h"
+#include "graph/types/node_type.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -43,10 +44,15 @@ struct PlanBench {
                                   .names_as("same", "number")));
         const Scratch scratch;
         Problems problems;
-        pipeline = build_pipeline(read_document(scratch.write("p.yaml", "fluidcarve: 1\nframes: 1-2\nnodes:\n" + nodes), {}, problems), registry, problems);
+        pipeline = build_pipeline(
+            read_document(scratch.write("p.yaml", "fluidcarve: 1\nframes: 1-2\nnodes:\n" + nodes),
+                          {}, problems),
+            registry, problems);
         REQUIRE(to_text(problems) == "");
     }
-    std::size_t at(const std::string& name) const { return static_cast<std::size_t>(pipeline.find(name) - pipeline.nodes.data()); }
+    std::size_t at(const std::string& name) const {
+        return static_cast<std::size_t>(pipeline.find(name) - pipeline.nodes.data());
+    }
 };
 
 using Names = std::vector<std::string>;
@@ -55,15 +61,18 @@ using Names = std::vector<std::string>;
 
 TEST_CASE("sizes of pictures reach all that lies over them, and two that differ are told") {
     const PlanBench bench(
-        "  photo: {type: toy.load, path: in.##}\n  paint: {type: toy.load, path: paint}\n  both: {type: toy.over, numbers: [photo, paint]}\n"
-        "  next: {type: toy.over, numbers: [both]}\n  none: {type: toy.square, number: next}\n  last: {type: toy.over, numbers: [none]}\n");
+        "  photo: {type: toy.load, path: in.##}\n  paint: {type: toy.load, path: paint}\n  both: "
+        "{type: toy.over, numbers: [photo, paint]}\n"
+        "  next: {type: toy.over, numbers: [both]}\n  none: {type: toy.square, number: next}\n  "
+        "last: {type: toy.over, numbers: [none]}\n");
     Foresight foresight(bench.pipeline);
     foresight.deliver(bench.at("photo"), 1, "number", {Names{"R"}, std::array{4, 3}});
     foresight.deliver(bench.at("photo"), 2, "number", {Names{"R"}, std::array{5, 3}});
     foresight.deliver(bench.at("paint"), 1, "number", {Names{"R"}, std::array{4, 3}});
     const auto carry = [&](int frame) {
         std::string out;
-        for (std::size_t n = 0; n < bench.pipeline.nodes.size(); ++n) out += foresight.carry(n, frame);
+        for (std::size_t n = 0; n < bench.pipeline.nodes.size(); ++n)
+            out += foresight.carry(n, frame);
         return out;
     };
     CHECK(carry(1).empty());
@@ -76,17 +85,20 @@ TEST_CASE("sizes of pictures reach all that lies over them, and two that differ 
     CHECK_FALSE(foresight.receives(bench.at("last"), 1, "numbers"));
     // Once, where they meet; what is behind is not known.
     CHECK(carry(2) ==
-          "it lays pictures of two sizes over each other: 'photo' reads 5 x 3 pixels, but 'paint' 4 x 3; scale one of them to the size of the other");
+          "it lays pictures of two sizes over each other: 'photo' reads 5 x 3 pixels, but 'paint' "
+          "4 x 3; scale one of them to the size of the other");
     CHECK_FALSE(foresight.receives(bench.at("next"), 2, "numbers"));
 }
 
 TEST_CASE("names of grids reach only nodes behind declarations that keep them") {
     const PlanBench bench(
-        "  sim: {type: toy.load, path: in.##}\n  same: {type: toy.hand, number: sim}\n  after: {type: toy.hand, number: same}\n"
+        "  sim: {type: toy.load, path: in.##}\n  same: {type: toy.hand, number: sim}\n  after: "
+        "{type: toy.hand, number: same}\n"
         "  square: {type: toy.square, number: sim}\n  lost: {type: toy.hand, number: square}\n");
     Foresight foresight(bench.pipeline);
     foresight.deliver(bench.at("sim"), 2, "number", {Names{"density", "flame"}, std::array{4, 3}});
-    for (std::size_t n = 0; n < bench.pipeline.nodes.size(); ++n) CHECK(foresight.carry(n, 2).empty());
+    for (std::size_t n = 0; n < bench.pipeline.nodes.size(); ++n)
+        CHECK(foresight.carry(n, 2).empty());
     const auto* const known = foresight.receives(bench.at("after"), 2, "number");
     REQUIRE(known);
     CHECK(known->grids == Names{"density", "flame"});

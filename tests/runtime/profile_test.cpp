@@ -1,6 +1,5 @@
 #include "runtime/tell/profile.h"
 #include "graph/build_pipeline.h"
-
 #include "runtime/run/run.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
@@ -21,11 +20,13 @@ const Registry& toys() {
 Pipeline pipeline_of(const Scratch& scratch) {
     Problems problems;
     for (const std::string frame : {"1", "2", "3", "4"}) scratch.write("in.0" + frame, frame);
-    const auto path = scratch.write("p.yaml",
-                                    "fluidcarve: 1\nframes: 1-4\nnodes:\n  count: {type: toy.load, path: in.##}\n  square: {type: toy.square, number: count}\n"
-                                    "  best: {type: toy.top, number: square}\n  total: {type: toy.total, number: square}\n"
-                                    "  out: {type: toy.save, number: total, text: best, path: " +
-                                        (scratch / "out.txt") + "}\n");
+    const auto path = scratch.write(
+        "p.yaml",
+        "fluidcarve: 1\nframes: 1-4\nnodes:\n  count: {type: toy.load, path: in.##}\n  square: "
+        "{type: toy.square, number: count}\n"
+        "  best: {type: toy.top, number: square}\n  total: {type: toy.total, number: square}\n"
+        "  out: {type: toy.save, number: total, text: best, path: " +
+            (scratch / "out.txt") + "}\n");
     auto out = build_pipeline(read_document(path, {}, problems), toys(), problems);
     REQUIRE(to_text(problems) == "");
     return out;
@@ -62,14 +63,16 @@ TEST_CASE("a span is an event with its thread, begin and length in microseconds"
         if (event["ph"] == "X") by_category[event["cat"]] = event;
         else if (event["name"] == "thread_name") named.insert(event["tid"].get<int>());
     REQUIRE(by_category.size() == 3);
-    const auto &outer = by_category["run"], &inner = by_category["keep"], &other = by_category["load"];
+    const auto &outer = by_category["run"], &inner = by_category["keep"],
+               &other = by_category["load"];
     CHECK(outer["name"] == "square");
     CHECK(outer["args"] == nlohmann::json{{"type", "toy.square"}, {"frame", 7}});
     CHECK(inner["args"] == nlohmann::json{{"type", "toy.square"}});
     CHECK(outer["dur"].get<double>() >= 6000);
     CHECK(outer["dur"].get<double>() < 5e6);
     CHECK(inner["ts"].get<double>() >= outer["ts"].get<double>() + 4000);
-    CHECK(inner["ts"].get<double>() + inner["dur"].get<double>() <= outer["ts"].get<double>() + outer["dur"].get<double>());
+    CHECK(inner["ts"].get<double>() + inner["dur"].get<double>() <=
+          outer["ts"].get<double>() + outer["dur"].get<double>());
     CHECK(outer["tid"] == inner["tid"]);
     CHECK(outer["tid"] != other["tid"]);
     CHECK(named == std::set<int>{1, 2});
@@ -89,9 +92,12 @@ TEST_CASE("a run's profile has each body once per frame, and what was kept and l
     };
     std::map<std::string, int> first;
     for (const std::string frame : {" 1", " 2", " 3", " 4"})
-        for (const auto* const what : {"run count", "run square", "keep square", "digest best", "keep best", "take best", "take total"})
+        for (const auto* const what : {"run count", "run square", "keep square", "digest best",
+                                       "keep best", "take best", "take total"})
             first[what + frame] = 1;
-    for (const auto* const what : {"finish best", "finish total", "run out", "keep out", "keep total"}) first[what] = 1;
+    for (const auto* const what :
+         {"finish best", "finish total", "run out", "keep out", "keep total"})
+        first[what] = 1;
     auto told = run();
     // While it finds more, and after.
     CHECK(told["keep best"] >= 1);

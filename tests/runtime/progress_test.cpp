@@ -4,7 +4,8 @@
 
 using namespace fluidcarve;
 
-TEST_CASE("the share that is shown never falls, though what is left turns out longer, and ends at one") {
+TEST_CASE(
+    "the share that is shown never falls, though what is left turns out longer, and ends at one") {
     Progress progress(ProgressStyle::none, 1);
     const auto quick = progress.add({"quick", 3, std::nullopt});
     const auto solve = progress.add({"solve", 1, std::nullopt});

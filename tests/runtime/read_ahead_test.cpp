@@ -1,5 +1,5 @@
 #include "runtime/run/read_ahead.h"
-#include "graph/input_file.h"
+#include "formats/file/input_file.h"
 #include "tests/support/scratch.h"
 
 #include <fmt/format.h>
@@ -44,7 +44,9 @@ double held(const std::string& path) {
     mincore(at, cold_size, pages.data());
     munmap(at, cold_size);
     close(file);
-    return static_cast<double>(std::ranges::count_if(pages, [](unsigned char page) { return (page & 1) != 0; })) / static_cast<double>(pages.size());
+    return static_cast<double>(
+               std::ranges::count_if(pages, [](unsigned char page) { return (page & 1) != 0; })) /
+           static_cast<double>(pages.size());
 }
 
 /// Waits until something holds; gives up after a while.
@@ -77,7 +79,8 @@ TEST_CASE("files of the next frames are read before these begin, and none farthe
         return;
     }
     const auto& p = files.paths;
-    ReadAhead ahead({{p[0]}, {p[1], "/none/such"}, {p[2]}, {p[3], p[4]}, {p[5]}}, {{}, {}, {}, {}, {}}, 2, std::uint64_t{1} << 30);
+    ReadAhead ahead({{p[0]}, {p[1], "/none/such"}, {p[2]}, {p[3], p[4]}, {p[5]}},
+                    {{}, {}, {}, {}, {}}, 2, std::uint64_t{1} << 30);
     ahead.begin(0);
     CHECK(eventually([&] { return held(p[0]) == 1 && held(p[1]) == 1 && held(p[2]) == 1; }));
     CHECK(held(p[3]) == 0);
@@ -114,9 +117,12 @@ TEST_CASE("written files are dropped, too, as soon as they are on the disk") {
     }
     const auto& p = files.paths;
     for (const bool larger : {false, true}) {
-        const auto early = files.scratch.write(fmt::format("early {}", larger), std::string(cold_size, 'x')),
-                   late = files.scratch.write(fmt::format("late {}", larger), std::string(cold_size, 'x'));
-        ReadAhead ahead({{p[0]}, {p[1]}, {p[2]}}, {{early}, {}, {late}}, 1, (larger ? 2 : 4) * cold_size);
+        const auto early = files.scratch.write(fmt::format("early {}", larger),
+                                               std::string(cold_size, 'x')),
+                   late = files.scratch.write(fmt::format("late {}", larger),
+                                              std::string(cold_size, 'x'));
+        ReadAhead ahead({{p[0]}, {p[1]}, {p[2]}}, {{early}, {}, {late}}, 1,
+                        (larger ? 2 : 4) * cold_size);
         ahead.begin(0);
         CHECK(eventually([&] { return held(p[0]) == 1 && held(p[1]) == 1; }));
         ahead.end(0);

@@ -12,15 +12,19 @@ TEST_CASE("what a node reports of its frames stands in their order, whichever wa
     const auto registry = toy::registry();
     const Scratch scratch;
     Problems problems;
-    const auto path = scratch.write("p.yaml", "fluidcarve: 1\nframes: 1-6\nnodes:\n  count: {type: toy.count, path: in.##}\n");
+    const auto path = scratch.write(
+        "p.yaml", "fluidcarve: 1\nframes: 1-6\nnodes:\n  count: {type: toy.count, path: in.##}\n");
     const auto pipeline = build_pipeline(read_document(path, {}, problems), registry, problems);
     REQUIRE(to_text(problems) == "");
     Report report(pipeline);
-    for (const char* const frame : {"10", "2", "-1", "-12", "0"}) report.entry(0, "points", {{frame, {{"moved", 1}}}});
+    for (const char* const frame : {"10", "2", "-1", "-12", "0"})
+        report.entry(0, "points", {{frame, {{"moved", 1}}}});
     report.entry(0, "still", {{"all", {{"moved", 2}}}});
     report.entry(0, "shape", {{"u", 3}, {"10", 1}, {"2", 1}});
     const auto json = report.to_json({1}, 0);
-    CHECK(json["points"]["count"].dump() == R"({"-12":{"moved":1},"-1":{"moved":1},"0":{"moved":1},"2":{"moved":1},"10":{"moved":1}})");
+    CHECK(
+        json["points"]["count"].dump() ==
+        R"({"-12":{"moved":1},"-1":{"moved":1},"0":{"moved":1},"2":{"moved":1},"10":{"moved":1}})");
     CHECK(json["still"]["count"].dump() == R"({"all":{"moved":2}})");
     CHECK(json["shape"]["count"].dump() == R"({"u":3,"10":1,"2":1})");
 }
@@ -29,7 +33,8 @@ TEST_CASE("a warning is told while the run is on, once, and the bar makes way fo
     const auto registry = toy::registry();
     const Scratch scratch;
     Problems problems;
-    const auto path = scratch.write("p.yaml", "fluidcarve: 1\nframes: 1-6\nnodes:\n  count: {type: toy.count, path: in.##}\n");
+    const auto path = scratch.write(
+        "p.yaml", "fluidcarve: 1\nframes: 1-6\nnodes:\n  count: {type: toy.count, path: in.##}\n");
     const auto pipeline = build_pipeline(read_document(path, {}, problems), registry, problems);
     REQUIRE(to_text(problems) == "");
     Report report(pipeline);
@@ -38,7 +43,9 @@ TEST_CASE("a warning is told while the run is on, once, and the bar makes way fo
     CHECK(report.warnings() == std::vector<std::string>{"count (toy.count): too few"});
 
     std::vector<std::string> said;
-    Progress(ProgressStyle::none, 1, [&](const std::string& line) { said.push_back(line); }).say("now");
+    Progress(ProgressStyle::none, 1, [&](const std::string& line) {
+        said.push_back(line);
+    }).say("now");
     Progress(ProgressStyle::none, 1).say("to nobody");
     CHECK(said == std::vector<std::string>{"now"});
 }

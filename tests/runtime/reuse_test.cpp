@@ -1,7 +1,9 @@
+#include "carve/base/frame_set.h"
 #include "graph/build_pipeline.h"
 #include "runtime/run/forecast.h"
 #include "runtime/run/run.h"
 #include "runtime/run/status.h"
+#include "tests/runtime/reuse_cases.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -15,103 +17,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string pipeline_text = R"(fluidcarve: 1
-frames: 1-5
-nodes:
-  load: {type: toy.load, path: in.##}
-  square: {type: toy.square, number: load}
-  top: {type: toy.top, number: square, count: 2}
-  save: {type: toy.save, number: square, text: top, path: OUT/out.##}
-)";
-
-/// A folder with five numbers, a pipeline over them and a work folder.
-struct Shot {
-    Scratch scratch;
-    std::string folder = scratch / "shot";
-    std::string yaml = pipeline_text;
-    RunRequest request;
-    int code = 0;
-    nlohmann::json report, forecast;
-
-    Shot() {
-        fs::create_directories(folder);
-        for (int frame = 1; frame <= 5; ++frame) set(frame, frame);
-        request.quiet = true;
-        request.options.threads = 4;
-        request.options.in_flight = 5;
-    }
-    void set(int frame, double value) const { std::ofstream(fmt::format("{}/in.{:02}", folder, frame)) << value; }
-    void replace(const std::string& from, const std::string& to) {
-        const auto at = yaml.find(from);
-        REQUIRE(at != std::string::npos);
-        yaml.replace(at, from.size(), to);
-    }
-    std::string text(int frame) const {
-        const auto all = Scratch::read(fmt::format("{}/out/out.{:02}", folder, frame));
-        return all.substr(std::min(all.size(), all.find(": ") + 2));
-    }
-
-    /// What ran, sorted; a forecast made before says the same of each node as the report does after.
-    std::vector<std::string> run(const std::function<bool()>& cancelled = [] { return false; }) {
-        static const Registry registry = toy::registry();
-        toy::log.reset();
-        auto text = yaml;
-        const auto out = folder + "/out";
-        for (auto at = text.find("OUT"); at != std::string::npos; at = text.find("OUT", at + out.size())) text.replace(at, 3, out);
-        std::ofstream(folder + "/p.yaml") << text;
-        Problems problems;
-        const auto pipeline = build_pipeline(read_document(folder + "/p.yaml", {}, problems), registry, problems);
-        REQUIRE(to_text(problems) == "");
-        request.options.work_folder = folder + "/kept";
-        request.report_path = folder + "/report.json";
-        forecast = forecast_of(pipeline, registry);
-        code = run_pipeline(pipeline, registry, request, cancelled);
-        report = nlohmann::json::parse(Scratch::read(request.report_path));
-        if (code == exit_code::done)
-            for (const auto& [name, node] : forecast["nodes"].items()) {
-                INFO(name);
-                CHECK(report["nodes"][name]["frames"] == node["frames"]);
-                CHECK(report["nodes"][name]["cached"] == node["cached"]);
-            }
-        return toy::log.sorted();
-    }
-
-    nlohmann::json forecast_of(const Pipeline& pipeline, const Registry& registry) const {
-        Report unused(pipeline);
-        Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, unused);
-        const auto schedule = prepared.schedule();
-        const History history(request.options.cache ? request.options.work_folder : "", pipeline.name);
-        return to_json(
-            make_forecast(pipeline, prepared, schedule, shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule()), history, request.options));
-    }
-    /// Runs frame after frame. Once the log has a line, the file of a frame is another one.
-    void change_at(const std::string& line, int frame) {
-        request.options.threads = 1;
-        request.options.in_flight = 1;
-        bool changed = false;
-        run([&] {
-            if (const auto lines = toy::log.sorted(); !changed && std::ranges::count(lines, line) > 0) {
-                set(frame, 44);
-                changed = true;
-            }
-            return false;
-        });
-        REQUIRE(changed);
-    }
-    /// "NODE FRAME: MESSAGE" of each failure.
-    std::vector<std::string> failures() const {
-        std::vector<std::string> out;
-        for (const auto& each : report["failures"])
-            out.push_back(fmt::format("{} {}: {}", each["node"].get<std::string>(), each["frame"].dump(), each["message"].get<std::string>()));
-        return out;
-    }
-    std::string why(const std::string& node) const { return forecast["nodes"][node].value("why", ""); }
-};
-
 using Lines = std::vector<std::string>;
 
-const Lines everything{"digest 1", "digest 2", "digest 3", "digest 4", "digest 5", "load 1",   "load 2",   "load 3",   "load 4",   "load 5", "save 1",
-                       "save 2",   "save 3",   "save 4",   "save 5",   "square 1", "square 2", "square 3", "square 4", "square 5", "step 1", "step 2"};
+const Lines everything{"digest 1", "digest 2", "digest 3", "digest 4", "digest 5", "load 1",
+                       "load 2",   "load 3",   "load 4",   "load 5",   "save 1",   "save 2",
+                       "save 3",   "save 4",   "save 5",   "square 1", "square 2", "square 3",
+                       "square 4", "square 5", "step 1",   "step 2"};
+
 const Lines saves{"save 1", "save 2", "save 3", "save 4", "save 5"};
 
 Lines operator+(Lines a, const Lines& b) {
@@ -140,7 +52,8 @@ TEST_CASE("the second run computes nothing, and tells what the first one told") 
     const auto first = shot.report;
     CHECK(shot.run() == Lines{});
     CHECK(shot.code == exit_code::done);
-    for (const auto& [name, node] : shot.report["nodes"].items()) CHECK(node["cached"] == node["frames"]);
+    for (const auto& [name, node] : shot.report["nodes"].items())
+        CHECK(node["cached"] == node["frames"]);
     CHECK(shot.report["nodes"].size() == 4);
     CHECK(shot.report["warnings"] == first["warnings"]);
     CHECK(shot.report["warnings"].size() == 2);
@@ -164,7 +77,9 @@ TEST_CASE("comments, descriptions, names of nodes and the place of the folder ch
     CHECK(shot.code == exit_code::done);
 }
 
-TEST_CASE("a changed parameter reruns its node and what follows, and the forecast says from what to what") {
+TEST_CASE(
+    "a changed parameter reruns its node and what follows, and the forecast says from what to "
+    "what") {
     Shot shot;
     shot.run();
     shot.replace("count: 2", "count: 2, offset: 1");
@@ -177,7 +92,8 @@ TEST_CASE("a replaced frame reruns its own work and the gathering nodes") {
     Shot shot;
     shot.run();
     shot.set(4, 7);
-    CHECK(shot.run() == Lines{"digest 4", "load 4", "square 4"} + saves + Lines{"step 1", "step 2"});
+    CHECK(shot.run() ==
+          Lines{"digest 4", "load 4", "square 4"} + saves + Lines{"step 1", "step 2"});
     CHECK(shot.why("load") == "input frame 4 changed");
     CHECK(shot.why("square") == "changed: load");
     CHECK(shot.text(3) == "9 49 25 ");
@@ -188,7 +104,8 @@ TEST_CASE("a replaced frame reruns its own work and the gathering nodes") {
 
 TEST_CASE("a replaced file that holds for all frames is told by its name") {
     Shot shot;
-    for (const auto& [from, to] : {std::pair("in.##", "in.04"), {"OUT/out.##", "OUT/out"}}) shot.replace(from, to);
+    for (const auto& [from, to] : {std::pair("in.##", "in.04"), {"OUT/out.##", "OUT/out"}})
+        shot.replace(from, to);
     shot.run();
     shot.set(4, 7);
     shot.run();
@@ -221,7 +138,9 @@ TEST_CASE("a growing result answers smaller counts, and larger ones continue it"
     CHECK(shot.run() == saves);
 }
 
-TEST_CASE("an output that is missing, or was changed, is written again, and the others stay as they are") {
+TEST_CASE(
+    "an output that is missing, or was changed, is written again, and the others stay as they "
+    "are") {
     Shot shot;
     shot.run();
     const auto stays = fs::last_write_time(shot.folder + "/out/out.01");
@@ -257,9 +176,11 @@ TEST_CASE("of many nodes upstream, those that changed are named, the first three
         shot.yaml += fmt::format("  s{0}: {{type: toy.square, number: load, times: {0}.0}}\n", n);
         all += fmt::format("{}s{}", n == 0 ? "" : ", ", n);
     }
-    shot.yaml += "  sum: {type: toy.add, numbers: [" + all + "]}\n  save: {type: toy.save, number: sum, path: OUT/out.##}\n";
+    shot.yaml += "  sum: {type: toy.add, numbers: [" + all +
+                 "]}\n  save: {type: toy.save, number: sum, path: OUT/out.##}\n";
     shot.run();
-    for (const int n : {3, 64, 130, 131, 199}) shot.replace(fmt::format("times: {}.0}}", n), fmt::format("times: {}.5}}", n));
+    for (const int n : {3, 64, 130, 131, 199})
+        shot.replace(fmt::format("times: {}.0}}", n), fmt::format("times: {}.5}}", n));
     shot.run();
     CHECK(shot.why("sum") == "changed: s3, s64, s130 and 2 others");
     CHECK(shot.why("save") == shot.why("sum"));
@@ -274,7 +195,8 @@ TEST_CASE("ten thousand nodes in a chain are planned within 400 MB") {
     };
     Shot shot;
     std::string yaml = "fluidcarve: 1\nframes: 1-5\nnodes:\n  s0: {type: toy.load, path: in.##}\n";
-    for (int n = 1; n < 10000; ++n) yaml += fmt::format("  s{}: {{type: toy.add, numbers: s{}}}\n", n, n - 1);
+    for (int n = 1; n < 10000; ++n)
+        yaml += fmt::format("  s{}: {{type: toy.add, numbers: s{}}}\n", n, n - 1);
     const auto file = shot.folder + "/p.yaml";
     std::ofstream(file) << yaml;
     const auto registry = toy::registry();
@@ -302,7 +224,8 @@ TEST_CASE("damaged results are computed again, and everything comes out the same
     for (const auto& each : fs::recursive_directory_iterator(shot.folder + "/kept/cache"))
         if (each.is_regular_file()) {
             auto bytes = Scratch::read(each.path());
-            for (const auto at : {bytes.size() / 3, bytes.size() - 20}) bytes[at] = static_cast<char>(bytes[at] ^ 4);
+            for (const auto at : {bytes.size() / 3, bytes.size() - 20})
+                bytes[at] = static_cast<char>(bytes[at] ^ 4);
             std::ofstream(each.path(), std::ios::binary) << bytes;
         }
     shot.replace("count: 2", "count: 4");
@@ -329,7 +252,9 @@ TEST_CASE("a stopped run, run again, repeats nothing that was done") {
     CHECK(shot.text(3) == "9 25 16 ");
 }
 
-TEST_CASE("parts of a run add up: chunks of what a solver takes, the solver, chunks of what is delivered") {
+TEST_CASE(
+    "parts of a run add up: chunks of what a solver takes, the solver, chunks of what is "
+    "delivered") {
     Shot shot;
     std::string fault;
     shot.request.wish.to = "top.number";
@@ -337,7 +262,8 @@ TEST_CASE("parts of a run add up: chunks of what a solver takes, the solver, chu
     CHECK(shot.run() == Lines{"digest 1", "digest 2", "load 1", "load 2", "square 1", "square 2"});
     CHECK(shot.report["nodes"]["top"]["frames"] == 2);
     shot.request.deliver = FrameSet::parse("3-5", fault);
-    CHECK(shot.run() == Lines{"digest 3", "digest 4", "digest 5", "load 3", "load 4", "load 5", "square 3", "square 4", "square 5"});
+    CHECK(shot.run() == Lines{"digest 3", "digest 4", "digest 5", "load 3", "load 4", "load 5",
+                              "square 3", "square 4", "square 5"});
     shot.request.deliver.reset();
     shot.request.wish = {"top", "", true};
     CHECK(shot.run() == Lines{"step 1", "step 2"});
@@ -356,7 +282,9 @@ TEST_CASE("with --only nothing else is computed: what is not there is told") {
     CHECK(shot.run() == Lines{});
     CHECK(shot.code == exit_code::input);
     CHECK(shot.report["failures"].size() == 1);
-    CHECK(shot.report["failures"][0]["message"] == "has no results in the work folder for 5 of 5 frames, and --only runs no other node; run --to square first");
+    CHECK(shot.report["failures"][0]["message"] ==
+          "has no results in the work folder for 5 of 5 frames, and --only runs no other node; run "
+          "--to square first");
 }
 
 TEST_CASE("with --from only what a node leads to is delivered") {
@@ -374,7 +302,8 @@ TEST_CASE("a longer sequence reruns the new frames and what gathers them") {
     shot.run();
     shot.set(6, 6);
     shot.replace("1-5", "1-6");
-    CHECK(shot.run() == Lines{"digest 6", "load 6", "save 6", "square 6"} + saves + Lines{"step 1", "step 2"});
+    CHECK(shot.run() ==
+          Lines{"digest 6", "load 6", "save 6", "square 6"} + saves + Lines{"step 1", "step 2"});
     CHECK(shot.why("load") == "input frame 6 is new");
 }
 
@@ -391,14 +320,17 @@ TEST_CASE("estimates come from earlier runs") {
     CHECK(shot.forecast["seconds"].get<double>() > 0.09);
 }
 
-TEST_CASE("a file that changes while the run is on is told, and nothing that was made of it is kept") {
+TEST_CASE(
+    "a file that changes while the run is on is told, and nothing that was made of it is kept") {
     for (const bool cache : {true, false}) {
         INFO("cache " << cache);
         Shot shot;
         shot.request.options.cache = cache;
         shot.change_at("load 1", 4);
         CHECK(shot.code == exit_code::input);
-        CHECK(shot.failures() == Lines{"load 4: " + shot.folder + "/in.04 was changed while the run was on; run again when its writer is done"});
+        CHECK(shot.failures() ==
+              Lines{"load 4: " + shot.folder +
+                    "/in.04 was changed while the run was on; run again when its writer is done"});
         CHECK_FALSE(fs::exists(shot.folder + "/out/out.01"));
         shot.set(4, 4);
         shot.run();
@@ -406,14 +338,18 @@ TEST_CASE("a file that changes while the run is on is told, and nothing that was
     }
 }
 
-TEST_CASE("a file that was read in one pass and is replaced before the next one ends a run without the cache") {
+TEST_CASE(
+    "a file that was read in one pass and is replaced before the next one ends a run without the "
+    "cache") {
     Shot shot;
     shot.request.options.cache = false;
     for (const auto* const moment : {"step 2", "save 1"}) {
         INFO(moment);
         shot.change_at(moment, 4);
         CHECK(shot.code == exit_code::input);
-        CHECK(shot.failures() == Lines{"load 4: " + shot.folder + "/in.04 was changed while the run was on; run again when its writer is done"});
+        CHECK(shot.failures() ==
+              Lines{"load 4: " + shot.folder +
+                    "/in.04 was changed while the run was on; run again when its writer is done"});
         CHECK(shot.text(3) == "9 25 16 ");
         CHECK_FALSE(fs::exists(shot.folder + "/out/out.04"));
         shot.set(4, 4);
@@ -439,8 +375,11 @@ TEST_CASE("a manifest lists what a run read, and a later run takes nothing else"
         shot.set(4, 9);
         const auto ran = shot.run();
         CHECK(shot.code == exit_code::input);
-        CHECK(shot.failures() == Lines{"load 4: " + shot.folder + "/in.04 is not the file that the manifest " + shot.request.manifest_path +
-                                       " knows: its hash differs; restore it, or delete its line from the manifest to accept it"});
+        CHECK(shot.failures() ==
+              Lines{"load 4: " + shot.folder + "/in.04 is not the file that the manifest " +
+                    shot.request.manifest_path +
+                    " knows: its hash differs; restore it, or delete its line from the manifest to "
+                    "accept it"});
         CHECK(std::ranges::count(ran, "load 4") == 0);
         CHECK_FALSE(fs::exists(shot.folder + "/out/out.01"));
         shot.set(4, 4);
@@ -450,7 +389,8 @@ TEST_CASE("a manifest lists what a run read, and a later run takes nothing else"
     }
 }
 
-TEST_CASE("a manifest lists the inputs of a run that computes nothing, too, and grows with chunks") {
+TEST_CASE(
+    "a manifest lists the inputs of a run that computes nothing, too, and grows with chunks") {
     Shot shot;
     shot.run();
     shot.request.manifest_path = shot.folder + "/shot.manifest";
@@ -474,27 +414,18 @@ TEST_CASE("a manifest lists the inputs of a run that computes nothing, too, and 
 TEST_CASE("what is remembered of former runs may be anything") {
     Shot shot;
     shot.run();
-    const std::string files[] = {shot.folder + "/kept/history/p.json", shot.folder + "/kept/runs/odd.json"};
-    for (const auto* const text :
-         {"", "[1]", R"({"square": 3})", R"({"square": {"type": "toy.square", "params": {"times": 1}}, "nodes": {"a": 3}, "pid": "x"})",
-          R"({"square": {"type": "toy.square", "version": 1, "params": {}, "inputs": {}, "files": {"x": "y"}}})",
-          R"({"nodes": {}, "pid": 1.5, "started": "now"})"}) {
+    const std::string files[] = {shot.folder + "/kept/history/p.json",
+                                 shot.folder + "/kept/runs/odd.json"};
+    for (
+        const auto* const text :
+        {"", "[1]", R"({"square": 3})",
+         R"({"square": {"type": "toy.square", "params": {"times": 1}}, "nodes": {"a": 3}, "pid": "x"})",
+         R"({"square": {"type": "toy.square", "version": 1, "params": {}, "inputs": {}, "files": {"x": "y"}}})",
+         R"({"nodes": {}, "pid": 1.5, "started": "now"})"}) {
         INFO(text);
         for (const auto& file : files) std::ofstream(file) << text;
         fs::remove_all(shot.folder + "/out");
         CHECK(shot.run() == saves);
         CHECK(status_text(shot.folder + "/kept") != "");
     }
-}
-
-TEST_CASE("a chunk looks at no file but those of its frames") {
-    Shot shot;
-    std::string fault;
-    shot.replace("  top: {type: toy.top, number: square, count: 2}\n", "");
-    shot.replace(", text: top", "");
-    shot.request.deliver = FrameSet::parse("2", fault);
-    shot.run();
-    const auto history = nlohmann::json::parse(Scratch::read(shot.folder + "/kept/history/p.json"));
-    CHECK(history["load"]["files"].size() == 1);
-    CHECK(history["load"]["files"].contains("2"));
 }

@@ -1,5 +1,7 @@
 #include "runtime/run/run.h"
+#include "carve/base/frame_set.h"
 #include "graph/build_pipeline.h"
+#include "graph/types/node_type.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -21,7 +23,8 @@ struct Meet {
         ++inside;
         const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(10);
         while (inside < 2) {
-            if (std::chrono::steady_clock::now() > until) throw Failure("no other frame is at work");
+            if (std::chrono::steady_clock::now() > until)
+                throw Failure("no other frame is at work");
             std::this_thread::yield();
         }
         io.number = std::make_shared<toy::Number>(context.frame());
@@ -30,7 +33,8 @@ struct Meet {
 
 Registry registry_with_meet() {
     auto out = toy::registry();
-    out.add(NodeType(Declare<Meet>("toy.meet", "Waits for another frame.").output("number", &Meet::Ports::number, "The frame's number.")));
+    out.add(NodeType(Declare<Meet>("toy.meet", "Waits for another frame.")
+                         .output("number", &Meet::Ports::number, "The frame's number.")));
     return out;
 }
 
@@ -40,17 +44,22 @@ struct Ran {
     std::vector<std::string> log;  ///< sorted
 
     std::size_t count(const std::string& prefix) const {
-        return static_cast<std::size_t>(std::count_if(log.begin(), log.end(), [&](const std::string& line) { return line.starts_with(prefix); }));
+        return static_cast<std::size_t>(
+            std::count_if(log.begin(), log.end(),
+                          [&](const std::string& line) { return line.starts_with(prefix); }));
     }
 };
 
 Ran run(
-    const std::string& yaml, RunRequest request = {}, const std::function<bool()>& cancelled = [] { return false; }) {
+    const std::string& yaml, RunRequest request = {},
+    const std::function<bool()>& cancelled = [] { return false; }) {
     static const Registry registry = registry_with_meet();
     toy::log.reset();
     const Scratch scratch;
     Problems problems;
-    const auto pipeline = build_pipeline(read_document(scratch.write("p.yaml", "fluidcarve: 1\n" + yaml), {}, problems), registry, problems);
+    const auto pipeline = build_pipeline(
+        read_document(scratch.write("p.yaml", "fluidcarve: 1\n" + yaml), {}, problems), registry,
+        problems);
     REQUIRE(to_text(problems) == "");
     request.options.threads = 4;
     if (request.options.in_flight == 2) request.options.in_flight = 5;
@@ -89,7 +98,8 @@ RunRequest keep_going() {
 std::vector<std::string> failures(const Ran& ran) {
     std::vector<std::string> out;
     for (const auto& failure : ran.report["failures"])
-        out.push_back(failure["node"].get<std::string>() + " " + (failure.contains("frame") ? failure["frame"].dump() : "-") + ": " +
+        out.push_back(failure["node"].get<std::string>() + " " +
+                      (failure.contains("frame") ? failure["frame"].dump() : "-") + ": " +
                       failure["message"].get<std::string>());
     return out;
 }
@@ -101,7 +111,8 @@ TEST_CASE("what a gathering node finds over all frames reaches every frame") {
     CHECK(ran.code == exit_code::done);
     CHECK(ran.count("finish 6") == 1);
     CHECK(ran.count("total ") == 6);
-    for (int frame = 1; frame <= 6; ++frame) CHECK(ran.count(fmt::format("print {0} = {0} of 21", frame)) == 1);
+    for (int frame = 1; frame <= 6; ++frame)
+        CHECK(ran.count(fmt::format("print {0} = {0} of 21", frame)) == 1);
     CHECK(ran.report["frames"] == nlohmann::json({1, 2, 3, 4, 5, 6}));
     CHECK(ran.report["nodes"]["count"]["frames"] == 6);
     CHECK(ran.report["nodes"]["print"]["frames"] == 6);
@@ -133,7 +144,8 @@ TEST_CASE("the option -f limits what is delivered, never what a gathering node s
     CHECK(ran.report["frames"] == nlohmann::json({2, 5}));
 }
 
-TEST_CASE("a gathering node may also run per frame with what it gathered, or need no gathering at all") {
+TEST_CASE(
+    "a gathering node may also run per frame with what it gathered, or need no gathering at all") {
     const std::string yaml = R"(
 frames: 1-4
 nodes:
@@ -141,7 +153,9 @@ nodes:
   share: {type: toy.share, number: count, stated: STATED}
   print: {type: toy.print, number: share, path: out.##}
 )";
-    const auto with = [&](const std::string& stated) { return std::string(yaml).replace(yaml.find("STATED"), 6, stated); };
+    const auto with = [&](const std::string& stated) {
+        return std::string(yaml).replace(yaml.find("STATED"), 6, stated);
+    };
     auto ran = run(with("false"));
     CHECK(ran.count("print 1 = 0.25") == 1);
     CHECK(ran.count("count ") == 8);
@@ -171,19 +185,24 @@ TEST_CASE("with --to only a node and what it needs run") {
 
 TEST_CASE("a result that --to asks for and that is kept under no key fails the run") {
     // The files of toy.count are not there, so that their contents are unknown.
-    const std::string squares = "frames: 1-2\nnodes:\n  count: {type: toy.count, path: in.##}\n  square: {type: toy.square, number: count}\n";
+    const std::string squares =
+        "frames: 1-2\nnodes:\n  count: {type: toy.count, path: in.##}\n  square: {type: "
+        "toy.square, number: count}\n";
     RunRequest request;
     request.wish.to = "square";
     const auto asked = run(squares, request);
     CHECK(asked.code == exit_code::node_failed);
     REQUIRE(failures(asked).size() == 1);
-    CHECK_THAT(failures(asked).front(), Catch::StartsWith("square -: its results could not be kept for other runs: ") &&
-                                            Catch::EndsWith("in.01 could not be read when the run began, so that nothing tells its content; run again"));
+    CHECK_THAT(failures(asked).front(),
+               Catch::StartsWith("square -: its results could not be kept for other runs: ") &&
+                   Catch::EndsWith("in.01 could not be read when the run began, so that nothing "
+                                   "tells its content; run again"));
     request.options.cache = false;
     CHECK(run(squares, request).code == exit_code::done);
     request.options.cache = true;
     const auto unkept = "{type: toy.square, cache: false, number: count}";
-    CHECK(run(squares.substr(0, squares.find("{type: toy.square")) + unkept + "\n", request).code == exit_code::done);
+    CHECK(run(squares.substr(0, squares.find("{type: toy.square")) + unkept + "\n", request).code ==
+          exit_code::done);
 }
 
 TEST_CASE("frames alive never exceed --in-flight, whatever arrives late") {
@@ -243,7 +262,8 @@ nodes:
                          keep_going());
     CHECK(ran.code == exit_code::some_frames_failed);
     CHECK(ran.count("print ") == 198);
-    CHECK(failures(ran) == std::vector<std::string>{"count 20: made to fail", "more 70: a library threw"});
+    CHECK(failures(ran) ==
+          std::vector<std::string>{"count 20: made to fail", "more 70: a library threw"});
 }
 
 TEST_CASE("a gathering node never finishes with a failed frame") {
@@ -258,7 +278,9 @@ nodes:
     CHECK(ran.code == exit_code::node_failed);
     CHECK(ran.count("total ") == 49);
     CHECK(ran.count("finish") + ran.count("print") == 0);
-    CHECK(failures(ran) == std::vector<std::string>{"count 20: made to fail", "total -: needs every frame of the sequence, but these failed: 20"});
+    CHECK(failures(ran) == std::vector<std::string>{
+                               "count 20: made to fail",
+                               "total -: needs every frame of the sequence, but these failed: 20"});
     ran = run(yaml);
     CHECK(ran.code == exit_code::node_failed);
     CHECK(ran.count("finish") + ran.count("print") == 0);
@@ -280,7 +302,9 @@ nodes:
     CHECK(ran.count("print ") == 8);
 }
 
-TEST_CASE("a file that is missing outside of what -f delivers is no matter, unless a gathering node needs it") {
+TEST_CASE(
+    "a file that is missing outside of what -f delivers is no matter, unless a gathering node "
+    "needs it") {
     const std::string yaml = R"(
 frames: 1-9
 nodes:
@@ -314,7 +338,9 @@ nodes:
   count: {type: toy.count, path: in.##, skip: 3}
   print: {type: toy.print, number: count, path: out.##}
 )";
-    const nlohmann::json warned = {{{"node", "count"}, {"message", "left out because their files are missing, though -f names them: 3"}}};
+    const nlohmann::json warned = {
+        {{"node", "count"},
+         {"message", "left out because their files are missing, though -f names them: 3"}}};
     auto ran = run(yaml, deliver("3"));
     CHECK(ran.code == exit_code::done);
     CHECK(ran.log.empty());
@@ -327,7 +353,9 @@ nodes:
     CHECK(ran.report["warnings"].empty());
 }
 
-TEST_CASE("an output that can't be written is told before anything runs, or frame by frame with --keep-going") {
+TEST_CASE(
+    "an output that can't be written is told before anything runs, or frame by frame with "
+    "--keep-going") {
     const std::string yaml = R"(
 frames: 1-3
 nodes:
@@ -338,7 +366,8 @@ nodes:
     CHECK(ran.code == exit_code::node_failed);
     CHECK(ran.log.empty());
     CHECK(failures(ran) ==
-          std::vector<std::string>{"print 2: cannot write /proc/nowhere/out.02: the folder /proc/nowhere cannot be made: No such file or directory"});
+          std::vector<std::string>{"print 2: cannot write /proc/nowhere/out.02: the folder "
+                                   "/proc/nowhere cannot be made: No such file or directory"});
     ran = run(yaml, keep_going());
     CHECK(ran.count("print ") == 3);
 }

@@ -3,9 +3,8 @@
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
-#include <catch2/catch.hpp>
-
 #include <fmt/ranges.h>
+#include <catch2/catch.hpp>
 
 using namespace fluidcarve;
 
@@ -29,11 +28,16 @@ std::string text(const Schedule& schedule, const Pipeline& pipeline) {
             std::vector<std::string> does;
             for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
                 const auto& name = pipeline.nodes[n].name;
-                if (frame.results[n] != Schedule::Action::none) does.push_back((frame.results[n] == Schedule::Action::run ? "run " : "load ") + name);
-                if (frame.takes[n] != Schedule::Take::none) does.push_back((frame.takes[n] == Schedule::Take::anew ? "into " : "kept into ") + name);
+                if (frame.results[n] != Schedule::Action::none)
+                    does.push_back((frame.results[n] == Schedule::Action::run ? "run " : "load ") +
+                                   name);
+                if (frame.takes[n] != Schedule::Take::none)
+                    does.push_back(
+                        (frame.takes[n] == Schedule::Take::anew ? "into " : "kept into ") + name);
             }
             CHECK(frame.empty() == does.empty());
-            if (!does.empty()) out += fmt::format("{}.{}: {}\n", pass, place, fmt::join(does, ", "));
+            if (!does.empty())
+                out += fmt::format("{}.{}: {}\n", pass, place, fmt::join(does, ", "));
         }
     return out;
 }
@@ -83,13 +87,17 @@ TEST_CASE("a gatherer takes every frame in one pass, and delivers some in the ne
 
 TEST_CASE("a gatherer takes a cached digest without the frame") {
     const Registry registry = toy::registry();
-    const auto pipeline = pipeline_of("  load: {type: toy.load, path: in.##}\n  top: {type: toy.top, number: load, count: 1}\n", registry);
+    const auto pipeline = pipeline_of(
+        "  load: {type: toy.load, path: in.##}\n  top: {type: toy.top, number: load, count: 1}\n",
+        registry);
     const auto first = [](std::size_t, std::size_t place) { return place == 0; };
     const auto plan = make_plan(pipeline, {});
     const auto schedule = make_schedule(pipeline, plan, {true, true}, {no, first, yes, yes, no});
     CHECK(text(schedule, pipeline) == "0.0: kept into top\n0.1: run load, into top\n");
     CHECK(schedule.once[1] == Schedule::Action::run);
-    const auto share = shares(pipeline, plan, schedule, make_schedule(pipeline, plan, {true, true}, {no, no, yes, yes, no})).at(1);
+    const auto share = shares(pipeline, plan, schedule,
+                              make_schedule(pipeline, plan, {true, true}, {no, no, yes, yes, no}))
+                           .at(1);
     CHECK(share.taken_kept == 1);
     CHECK(share.taken_anew == 1);
     CHECK(share.frames == 2);
@@ -100,17 +108,21 @@ TEST_CASE("a gatherer takes a cached digest without the frame") {
     CHECK(some.gathers == std::vector<char>{0, 0});
 }
 
-TEST_CASE("a writer has what its files state the checksum of, also where all that it reads is cached") {
+TEST_CASE(
+    "a writer has what its files state the checksum of, also where all that it reads is cached") {
     const Registry registry = toy::registry();
     auto pipeline = pipeline_of(
         "  load: {type: toy.load, path: in.##}\n  square: {type: toy.square, number: load}\n"
-        "  top: {type: toy.top, number: load, count: 1}\n  save: {type: toy.save, number: square, path: out.##}\n",
+        "  top: {type: toy.top, number: load, count: 1}\n  save: {type: toy.save, number: square, "
+        "path: out.##}\n",
         registry);
     const auto plan = make_plan(pipeline, {});
     const auto top = static_cast<std::size_t>(pipeline.find("top") - pipeline.nodes.data());
     const auto save = static_cast<std::size_t>(pipeline.find("save") - pipeline.nodes.data());
     const auto known = [&](std::size_t node, std::size_t) { return node != save; };
-    const auto once = [&](const auto& cached) { return make_schedule(pipeline, plan, {true, true}, {cached, yes, yes, yes, no}).once[top]; };
+    const auto once = [&](const auto& cached) {
+        return make_schedule(pipeline, plan, {true, true}, {cached, yes, yes, yes, no}).once[top];
+    };
     CHECK(once(known) == Schedule::Action::none);
     pipeline.nodes[save].checksummed = {{top, 0}};
     CHECK(once(known) == Schedule::Action::load);

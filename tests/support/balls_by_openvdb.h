@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/sdf/balls.h"
+#include "carve/sdf/balls.h"
 
 #include <openvdb/tools/ParticlesToLevelSet.h>
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "nodes/seam/costs/code.h"
-#include "nodes/seam/costs/volume.h"
-#include "nodes/seam/search/band.h"
+#include "carve/solver/costs/code.h"
+#include "carve/solver/costs/volume.h"
+#include "carve/solver/search/band.h"
 
 #include <algorithm>
 #include <array>
@@ -17,14 +17,18 @@ namespace fluidcarve::test {
 
 using SeamVector = std::vector<std::uint16_t>;
 
-/// The columns of a volume, lateral fastest, then k, then t, and which of them are neighbours, in lists.
+/// The columns of a volume, lateral fastest, then k, then t, and which of them are neighbours, in
+/// lists.
 struct ColumnGraph {
     std::array<int, 3> size;  ///< laterals, slices, frames
     bool closed, around;
     std::vector<std::vector<std::size_t>> neighbours;
 
-    explicit ColumnGraph(const std::array<int, 3>& size, bool closed = false, bool around = false) : size(size), closed(closed), around(around) {
-        const auto at = [&](int lateral, int k, int t) { return static_cast<std::size_t>(lateral + size[0] * (k + size[1] * t)); };
+    explicit ColumnGraph(const std::array<int, 3>& size, bool closed = false, bool around = false)
+        : size(size), closed(closed), around(around) {
+        const auto at = [&](int lateral, int k, int t) {
+            return static_cast<std::size_t>(lateral + size[0] * (k + size[1] * t));
+        };
         neighbours.resize(at(0, 0, size[2]));
         const auto join = [&](std::size_t one, std::size_t other) {
             if (one == other) return;
@@ -71,7 +75,9 @@ inline void make_seam(const ColumnGraph& graph, SeamVector& at) {
 
 inline SeamVector random_seam(std::mt19937& random, const ColumnGraph& graph, Window window) {
     SeamVector out(graph.count());
-    for (auto& entry : out) entry = static_cast<std::uint16_t>(window.first + static_cast<int>(random() % static_cast<unsigned>(window.size())));
+    for (auto& entry : out)
+        entry = static_cast<std::uint16_t>(
+            window.first + static_cast<int>(random() % static_cast<unsigned>(window.size())));
     make_seam(graph, out);
     return out;
 }
@@ -80,14 +86,16 @@ inline SeamVector random_seam(std::mt19937& random, const ColumnGraph& graph, Wi
 inline Band random_band(std::mt19937& random, const ColumnGraph& graph, Window window) {
     const auto one = random_seam(random, graph, window), other = random_seam(random, graph, window);
     Band out;
-    for (std::size_t c = 0; c < one.size(); ++c) out.columns.push_back({std::min(one[c], other[c]), std::max(one[c], other[c])});
+    for (std::size_t c = 0; c < one.size(); ++c)
+        out.columns.push_back({std::min(one[c], other[c]), std::max(one[c], other[c])});
     return out;
 }
 
 using CostAt = std::function<double(std::size_t column, int entry)>;
 
 /// What being at two entries in neighbouring columns costs.
-using StepAt = std::function<double(std::size_t column, int entry, std::size_t other, int entry_there)>;
+using StepAt =
+    std::function<double(std::size_t column, int entry, std::size_t other, int entry_there)>;
 
 template <class Entries>
 double sum_along(const Entries& at, const CostAt& cost) {
@@ -105,7 +113,8 @@ double sum_of_steps(const ColumnGraph& graph, const Entries& at, const StepAt& s
     return out;
 }
 
-/// The least cost of all seams in a band, and of those that cost no more the lowest and the highest; those are seams too.
+/// The least cost of all seams in a band, and of those that cost no more the lowest and the
+/// highest; those are seams too.
 struct Least {
     double cost = std::numeric_limits<double>::infinity();
     SeamVector lowest, highest;
@@ -117,7 +126,8 @@ public:
     BruteForce(const ColumnGraph& graph, const Band& band, const CostAt& cost, const StepAt& step)
         : graph_(graph), band_(band), step_(step), costs_(graph.count()), rest_(graph.count() + 1) {
         for (auto c = graph.count(); c-- > 0;) {
-            for (int entry = band.columns[c].first; entry <= band.columns[c].last; ++entry) costs_[c].push_back(cost(c, entry));
+            for (int entry = band.columns[c].first; entry <= band.columns[c].last; ++entry)
+                costs_[c].push_back(cost(c, entry));
             rest_[c] = rest_[c + 1] + *std::min_element(costs_[c].begin(), costs_[c].end());
         }
         at_.resize(graph.count());
@@ -126,7 +136,8 @@ public:
     const Least& least() const { return least_; }
 
 private:
-    /// Tries all entries of a column and, with each, all that can follow. @param sum  of the columns before
+    /// Tries all entries of a column and, with each, all that can follow.
+    /// @param sum  of the columns before
     void descend(std::size_t c, double sum) {
         if (sum + rest_[c] > least_.cost) return;
         if (c == at_.size()) return take(sum);
@@ -160,7 +171,8 @@ private:
     Least least_;
 };
 
-inline Least brute_force(const ColumnGraph& graph, const Band& band, const CostAt& cost, const StepAt& step = nullptr) {
+inline Least brute_force(const ColumnGraph& graph, const Band& band, const CostAt& cost,
+                         const StepAt& step = nullptr) {
     return BruteForce(graph, band, cost, step).least();
 }
 
@@ -169,17 +181,20 @@ inline std::array<int, 3> random_size(std::mt19937& random, int most_columns) {
     std::array<int, 3> out{1, 1, 1};
     for (std::size_t n = 0, d = random() % 3; n < 3; ++n, d = (d + 1) % 3) {
         const int most = most_columns / (out[0] * out[1] * out[2]);
-        out[d] = 1 + static_cast<int>(random() % static_cast<unsigned>(n == 2 ? most : std::min(most, 4)));
+        out[d] = 1 + static_cast<int>(random() %
+                                      static_cast<unsigned>(n == 2 ? most : std::min(most, 4)));
     }
     return out;
 }
 
 inline EnergyVolume volume_of(const ColumnGraph& graph, int width, const CostAt& energy) {
-    EnergyVolume out({width, graph.size[0], graph.size[1]}, Axis::u, static_cast<std::size_t>(graph.size[2]), ~std::uint64_t{0}, "", graph.closed,
+    EnergyVolume out({width, graph.size[0], graph.size[1]}, Axis::u,
+                     static_cast<std::size_t>(graph.size[2]), ~std::uint64_t{0}, "", graph.closed,
                      graph.around);
     for (std::size_t c = 0; c < graph.count(); ++c)
         for (int entry = 0; entry < width; ++entry)
-            out.codes(c / out.columns_per_frame())[c % out.columns_per_frame() * out.stride() + static_cast<std::size_t>(entry)] =
+            out.codes(c / out.columns_per_frame())[c % out.columns_per_frame() * out.stride() +
+                                                   static_cast<std::size_t>(entry)] =
                 encode_energy(static_cast<float>(energy(c, entry)));
     return out;
 }
@@ -191,7 +206,8 @@ void add_field(EnergyVolume& energy, float weight, const ValueAt& value) {
     energy.add_field(weight, ~std::uint64_t{0}, "");
     for (std::size_t t = 0; t < energy.frames(); ++t) {
         std::vector<std::uint16_t> codes;
-        for (std::size_t n = 0; n < energy.columns_per_frame() * energy.stride(); ++n) codes.push_back(encode_field(static_cast<float>(value(t, n))));
+        for (std::size_t n = 0; n < energy.columns_per_frame() * energy.stride(); ++n)
+            codes.push_back(encode_field(static_cast<float>(value(t, n))));
         energy.set_field(t, codes);
     }
 }
@@ -199,14 +215,18 @@ void add_field(EnergyVolume& energy, float weight, const ValueAt& value) {
 /// The energies of a volume, as the solvers see them.
 inline CostAt energies_of(const EnergyVolume& energy) {
     return [&](std::size_t c, int entry) -> double {
-        const auto cell = c % energy.columns_per_frame() * energy.stride() + static_cast<std::size_t>(entry);
-        return energy.summed() ? energy.cells<float>(c / energy.columns_per_frame())[cell] : decode_energy(energy.codes(c / energy.columns_per_frame())[cell]);
+        const auto cell =
+            c % energy.columns_per_frame() * energy.stride() + static_cast<std::size_t>(entry);
+        return energy.summed() ? energy.cells<float>(c / energy.columns_per_frame())[cell]
+                               : decode_energy(energy.codes(c / energy.columns_per_frame())[cell]);
     };
 }
 
 /// Multiples of 1/64, which neither codes nor sums round.
-inline EnergyVolume random_volume(std::mt19937& random, const ColumnGraph& graph, int width, unsigned levels = 1024) {
-    return volume_of(graph, width, [&](std::size_t, int) { return static_cast<double>(random() % levels) / 64; });
+inline EnergyVolume random_volume(std::mt19937& random, const ColumnGraph& graph, int width,
+                                  unsigned levels = 1024) {
+    return volume_of(graph, width,
+                     [&](std::size_t, int) { return static_cast<double>(random() % levels) / 64; });
 }
 
 inline Window random_window(std::mt19937& random, int width) {

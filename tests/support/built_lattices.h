@@ -1,7 +1,7 @@
 #pragma once
 
-#include "nodes/lattice/build.h"
-#include "nodes/lattice/build_node.h"
+#include "carve/lattice/build.h"
+#include "nodes/lattice.h"
 #include "tests/support/node_bench.h"
 
 #include <cmath>
@@ -10,7 +10,8 @@
 
 namespace fluidcarve::test {
 
-inline Rig through(std::vector<openvdb::Vec3d> points, bool closed = false, const openvdb::Vec3d& up = {0, 0, 1}) {
+inline Rig through(std::vector<openvdb::Vec3d> points, bool closed = false,
+                   const openvdb::Vec3d& up = {0, 0, 1}) {
     Rig out;
     out.points = std::move(points);
     out.closed = closed;
@@ -18,7 +19,8 @@ inline Rig through(std::vector<openvdb::Vec3d> points, bool closed = false, cons
     return out;
 }
 
-inline LatticeSpec spec(double spacing, std::array<double, 2> u = {-0.5, 0.5}, std::array<double, 2> v = {-0.5, 0.5}) {
+inline LatticeSpec spec(double spacing, std::array<double, 2> u = {-0.5, 0.5},
+                        std::array<double, 2> v = {-0.5, 0.5}) {
     LatticeSpec out;
     out.spacing = spacing;
     out.u = u;
@@ -30,7 +32,9 @@ struct Heard : Context::Host {
     std::vector<std::string> warnings;
     nlohmann::ordered_json reported;
     void warn(const std::string& message) override { warnings.push_back(message); }
-    void report(const std::string& section, const nlohmann::ordered_json& entry) override { reported[section] = entry; }
+    void report(const std::string& section, const nlohmann::ordered_json& entry) override {
+        reported[section] = entry;
+    }
 };
 
 /// All lattices of lattice.build, or of another node, and what it said.
@@ -38,16 +42,22 @@ struct Run {
     std::vector<Ref<Lattice>> lattices;
     Heard heard;
 
-    Run(const std::string& yaml, const std::vector<Rig>& rigs, const std::vector<int>& frames = {}, const NodeType& type = lattice_build()) {
+    Run(const std::string& yaml, const std::vector<Rig>& rigs, const std::vector<int>& frames = {},
+        const NodeType& type = lattice_build()) {
         NodeBench bench(type, yaml, {{"rig", 1}});
         REQUIRE(bench.faults().empty());
         const std::vector<int> none{1};
         Context context(heard, frames.empty() ? none : frames);
-        const auto at = [&](std::size_t t) { return frames.empty() ? context : Context(heard, frames).at(t); };
-        const auto input = [&](std::size_t t) { return NodeBench::Inputs{{"rig", {Payload(std::make_shared<Rig>(rigs[t]))}}}; };
+        const auto at = [&](std::size_t t) {
+            return frames.empty() ? context : Context(heard, frames).at(t);
+        };
+        const auto input = [&](std::size_t t) {
+            return NodeBench::Inputs{{"rig", {Payload(std::make_shared<Rig>(rigs[t]))}}};
+        };
         for (std::size_t t = 0; t < rigs.size(); ++t) bench.add(input(t), at(t));
         bench.finish(context);
-        for (std::size_t t = 0; t < rigs.size(); ++t) lattices.push_back(bench.run(input(t), at(t)).at("lattice").as<Lattice>());
+        for (std::size_t t = 0; t < rigs.size(); ++t)
+            lattices.push_back(bench.run(input(t), at(t)).at("lattice").as<Lattice>());
     }
 };
 

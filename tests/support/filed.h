@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/text/problem.h"
+#include "carve/base/failure.h"
 #include "graph/types/registry.h"
 #include "nodes/catalogue.h"
 
@@ -32,7 +32,8 @@ Ref<T> read_back(const std::string& bytes) {
     return builtin().payload(typeid(T)).read(in).template as<T>();
 }
 
-/// A value that went to a stream and came back, with another behind it, which the reader leaves alone.
+/// A value that went to a stream and came back, with another behind it, which the reader leaves
+/// alone.
 template <class T>
 Ref<T> there_and_back(const Ref<T>& value) {
     const auto bytes = filed(value);
@@ -51,7 +52,8 @@ template <class T>
 void require_cut_refused(const Ref<T>& value, std::size_t all = 2000) {
     const auto whole = filed(value);
     REQUIRE(read_back<T>(whole));
-    for (std::size_t size = 0; size < whole.size(); size += size < all || size + 20 > whole.size() ? 1 : 1 + whole.size() / 100) {
+    for (std::size_t size = 0; size < whole.size();
+         size += size < all || size + 20 > whole.size() ? 1 : 1 + whole.size() / 100) {
         INFO(size << " of " << whole.size());
         CHECK_THROWS_AS(read_back<T>(whole.substr(0, size)), Failure);
     }

@@ -11,7 +11,8 @@
 
 namespace fluidcarve::test {
 
-/// All of a tree as bytes: values (inactive ones too), active states, tiles, structure, point attributes.
+/// All of a tree as bytes: values (inactive ones too), active states, tiles, structure, point
+/// attributes.
 /// Two trees with equal bytes are equal bit for bit.
 inline std::string bytes(const openvdb::TreeBase& tree) {
     std::ostringstream out;
@@ -19,7 +20,8 @@ inline std::string bytes(const openvdb::TreeBase& tree) {
     openvdb::io::setStreamMetadataPtr(out, tags, false);
     openvdb::io::setDataCompression(out, openvdb::io::COMPRESS_NONE);
     tree.writeTopology(out, false);
-    // Points are written in several passes, of which the first only counts them; other trees are whole after that one.
+    // Points are written in several passes, of which the first only counts them; other trees are
+    // whole after that one.
     tags->setCountingPasses(true);
     tree.writeBuffers(out, false);
     tags->setCountingPasses(false);
@@ -41,7 +43,9 @@ inline std::string bytes(const openvdb::math::Transform& transform) {
 inline std::map<std::string, std::string> kept_metadata(const openvdb::MetaMap& map) {
     std::map<std::string, std::string> out;
     for (auto each = map.beginMeta(); each != map.endMeta(); ++each) {
-        if (each->first.starts_with("file_") && each->first != "file_voxel_size" && each->first != "file_base_resolution") continue;
+        if (each->first.starts_with("file_") && each->first != "file_voxel_size" &&
+            each->first != "file_base_resolution")
+            continue;
         std::ostringstream text;
         each->second->write(text);
         out[each->first] = each->second->typeName() + ' ' + text.str();

@@ -19,7 +19,9 @@ public:
     /// Carves classically where the parameters do not say otherwise: `soft` and `spread` are 0.
     /// @param yaml  the parameters, as in a pipeline: `gain: 2`
     /// @param connected  how many connections each input has
-    explicit NodeBench(NodeType type, const std::string& yaml = "{}", const std::map<std::string, std::size_t>& connected = {}) : type_(std::move(type)) {
+    explicit NodeBench(NodeType type, const std::string& yaml = "{}",
+                       const std::map<std::string, std::size_t>& connected = {})
+        : type_(std::move(type)) {
         const auto params = type_.make_params();
         Problems problems;
         const auto set = [&](const ParamSpec& spec, const std::string& name, const Value& value) {
@@ -28,7 +30,10 @@ public:
         };
         for (const auto* const name : {"soft", "spread"})
             if (const auto* const spec = type_.param(name))
-                set(*spec, name, read_yaml(std::make_shared<Source>(Source{"test", "n: 0", ""}), problems).fields.front().value);
+                set(*spec, name,
+                    read_yaml(std::make_shared<Source>(Source{"test", "n: 0", ""}), problems)
+                        .fields.front()
+                        .value);
         const auto value = read_yaml(std::make_shared<Source>(Source{"test", yaml, ""}), problems);
         for (const auto& field : value.fields) {
             const auto* const spec = type_.param(field.name);
@@ -44,7 +49,8 @@ public:
         if (!faults_.empty()) return;
         behaviour_ = type_.bind(params_);
         if (type_.named_outputs)
-            for (const auto& output : type_.named_outputs(params_.get())) type_.outputs.push_back(output);
+            for (const auto& output : type_.named_outputs(params_.get()))
+                type_.outputs.push_back(output);
     }
 
     /// What a user would be told of the parameters, a line each.
@@ -55,14 +61,18 @@ public:
 
     using Inputs = std::map<std::string, std::vector<Payload>>;
     /// What a node that digests makes of a frame.
-    Payload digest(const Inputs& inputs, Context context = {}) const { return behaviour_.digest(ports(inputs).get(), context); }
+    Payload digest(const Inputs& inputs, Context context = {}) const {
+        return behaviour_.digest(ports(inputs).get(), context);
+    }
     void take(const Payload& digest, Context context = {}) { behaviour_.take(digest, context); }
     /// By way of the digest if there is one.
     void add(const Inputs& inputs, Context context = {}) {
         if (behaviour_.digest) take(digest(inputs, context), context);
         else behaviour_.add(ports(inputs).get(), context);
     }
-    void resume(const Payload& result, const nlohmann::ordered_json& entry) { behaviour_.resume(result, entry); }
+    void resume(const Payload& result, const nlohmann::ordered_json& entry) {
+        behaviour_.resume(result, entry);
+    }
     void finish(Context context = {}) { behaviour_.finish(ports({}).get(), context); }
     /// `finish` of a node whose outputs come once. @return as run
     std::map<std::string, Payload> gathered(const Inputs& inputs, Context context = {}) {
@@ -92,10 +102,14 @@ public:
         void missing(int frame, const std::string& message) override { absent[frame] = message; }
         bool needs(int) const override { return true; }
         bool wants(std::string_view) const override { return true; }
-        void lies(std::string_view output, const Region& region) override { regions.emplace(output, region); }
+        void lies(std::string_view output, const Region& region) override {
+            regions.emplace(output, region);
+        }
         const std::vector<Pick>& picks() const override { return picked; }
         void warn(const std::string& message) override { warnings.push_back(message); }
-        void delivers(int frame, std::string_view output, Foreseen what) override { delivered[{frame, std::string(output)}] = std::move(what); }
+        void delivers(int frame, std::string_view output, Foreseen what) override {
+            delivered[{frame, std::string(output)}] = std::move(what);
+        }
         const Foreseen* receives(int, std::string_view input) const override {
             const auto found = received.find(std::string(input));
             return found == received.end() ? nullptr : &found->second;
@@ -105,7 +119,8 @@ public:
     };
     /// @param received  what readers say of the inputs
     /// @param picks     parts that other nodes take of its first output
-    Surveyed survey(std::vector<int> frames, std::map<std::string, Foreseen> received = {}, std::vector<Pick> picks = {}) const {
+    Surveyed survey(std::vector<int> frames, std::map<std::string, Foreseen> received = {},
+                    std::vector<Pick> picks = {}) const {
         Surveyed out;
         out.all = std::move(frames);
         out.received = std::move(received);
@@ -139,16 +154,23 @@ private:
         const Value& value;
         const std::map<std::string, std::size_t>& connected;
         std::string& faults;
-        Check(const Value& value, const std::map<std::string, std::size_t>& connected, std::string& faults)
+        Check(const Value& value, const std::map<std::string, std::size_t>& connected,
+              std::string& faults)
             : value(value), connected(connected), faults(faults) {}
-        bool stated(std::string_view field) const override { return value.find(field) || connected.contains(std::string(field)); }
+        bool stated(std::string_view field) const override {
+            return value.find(field) || connected.contains(std::string(field));
+        }
         std::size_t connections(std::string_view input) const override {
             const auto found = connected.find(std::string(input));
             return found == connected.end() ? 0 : found->second;
         }
         std::vector<std::string> names(std::string_view) const override { return {}; }
-        void fault(std::string_view field, const std::string& message) override { faults += std::string(field) + ": " + message + "\n"; }
-        void fault(const Mark& at, const std::string& message) override { faults += std::to_string(at.line) + ": " + message + "\n"; }
+        void fault(std::string_view field, const std::string& message) override {
+            faults += std::string(field) + ": " + message + "\n";
+        }
+        void fault(const Mark& at, const std::string& message) override {
+            faults += std::to_string(at.line) + ": " + message + "\n";
+        }
         void warn(std::string_view, const std::string&) override {}
     };
 

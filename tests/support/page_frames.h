@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/lattice/build.h"
+#include "carve/lattice/build.h"
 #include "nodes/page/page_html.h"
 #include "nodes/page/page_scene.h"
 #include "tests/support/wavy_seams.h"
@@ -20,7 +20,11 @@ inline FloatGrid::Ptr ball(int size) {
     for (int x = 0; x < size; ++x)
         for (int y = 0; y < size; ++y)
             for (int z = 0; z < size; ++z)
-                out->tree().setValue({x, y, z}, static_cast<float>(std::max(0.01, 1 - (openvdb::Vec3d(x, y, z) - openvdb::Vec3d(middle)).length() / middle)));
+                out->tree().setValue(
+                    {x, y, z},
+                    static_cast<float>(std::max(
+                        0.01,
+                        1 - (openvdb::Vec3d(x, y, z) - openvdb::Vec3d(middle)).length() / middle)));
     return out;
 }
 
@@ -31,7 +35,8 @@ inline PageFrame frame_of(int size, int seams) {
     out.before = ball(size);
     out.lattice = std::make_shared<Lattice>(make_box({0, 0, 0}, {size, size, size}, 1, {0, 1, 2}));
     auto set = wavy_seams(*out.lattice, Axis::u, Seams::Kind::remove, size / 2, seams, 2);
-    for (std::size_t n = 0; n < set.seams.size(); ++n) set.seams[n].energy = n < 4 ? 1.0 : static_cast<double>(n);
+    for (std::size_t n = 0; n < set.seams.size(); ++n)
+        set.seams[n].energy = n < 4 ? 1.0 : static_cast<double>(n);
     if (seams > 0) out.seams = {std::make_shared<Seams>(set)};
     return out;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/points/point_grid.h"
+#include "carve/points/point_grid.h"
 
 #include <cstring>
 #include <random>
@@ -10,31 +10,33 @@
 namespace fluidcarve::test {
 
 template <class T>
-PlyPoints::Column column(const std::string& name, const std::string& type_name, PlyType type, const std::vector<T>& values) {
-    PlyPoints::Column out{name, type_name, type, {}};
+PointTable::Column column(const std::string& name, const std::string& type_name, NumberType type,
+                          const std::vector<T>& values) {
+    PointTable::Column out{name, type_name, type, {}};
     out.values.resize(values.size() * sizeof(T));
     if (!values.empty()) std::memcpy(out.values.data(), values.data(), out.values.size());
     return out;
 }
 
 /// Vertices of doubles, with their number as `id`.
-inline PlyPoints ply_at(const std::vector<openvdb::Vec3d>& positions) {
-    PlyPoints out;
+inline PointTable ply_at(const std::vector<openvdb::Vec3d>& positions) {
+    PointTable out;
     out.size = positions.size();
     for (int axis = 0; axis < 3; ++axis) {
         std::vector<double> values;
         for (const auto& at : positions) values.push_back(at[axis]);
-        out.columns.push_back(column(std::string(1, "xyz"[axis]), "double", PlyType::float64, values));
+        out.columns.push_back(
+            column(std::string(1, "xyz"[axis]), "double", NumberType::float64, values));
     }
     std::vector<std::int32_t> ids;
     for (std::size_t n = 0; n < positions.size(); ++n) ids.push_back(static_cast<std::int32_t>(n));
-    out.columns.push_back(column("id", "int", PlyType::int32, ids));
+    out.columns.push_back(column("id", "int", NumberType::int32, ids));
     return out;
 }
 
 inline Points points_at(const std::vector<openvdb::Vec3d>& positions) {
     Points out;
-    out.ply = std::make_shared<PlyPoints>(ply_at(positions));
+    out.ply = std::make_shared<PointTable>(ply_at(positions));
     return out;
 }
 
@@ -46,7 +48,8 @@ inline Points in_vdb(const Points& points) {
 }
 
 /// Uniformly random in a box of the world.
-inline std::vector<openvdb::Vec3d> scattered(const openvdb::BBoxd& box, std::size_t count, unsigned seed) {
+inline std::vector<openvdb::Vec3d> scattered(const openvdb::BBoxd& box, std::size_t count,
+                                             unsigned seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(0, 1);
     std::vector<openvdb::Vec3d> out;

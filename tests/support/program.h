@@ -13,14 +13,19 @@ struct Called {
     std::string err;
 };
 
-/// Runs a shell command in the repository's root, with a work folder of its own unless the command says another.
+/// Runs a shell command in the repository's root, with a work folder of its own unless the command
+/// says another.
 inline Called call_shell(const std::string& command) {
     const Scratch scratch;
-    const int status = std::system(
-        ("cd " SOURCE_ROOT " && export FLUIDCARVE_WORK=" + (scratch / "work") + " && ( " + command + " ) >" + (scratch / "out") + " 2>" + (scratch / "err"))
-            .c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), Scratch::read(scratch / "out"), Scratch::read(scratch / "err")};
+    const int status =
+        std::system(("cd " SOURCE_ROOT " && export FLUIDCARVE_WORK=" + (scratch / "work") +
+                     " && ( " + command + " ) >" + (scratch / "out") + " 2>" + (scratch / "err"))
+                        .c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+            Scratch::read(scratch / "out"), Scratch::read(scratch / "err")};
 }
 
 /// Runs the program that was just built.
-inline Called fluidcarve_program(const std::string& arguments) { return call_shell(FLUIDCARVE_PROGRAM " " + arguments); }
+inline Called fluidcarve_program(const std::string& arguments) {
+    return call_shell(FLUIDCARVE_PROGRAM " " + arguments);
+}

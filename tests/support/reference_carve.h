@@ -25,16 +25,19 @@ struct Dense {
     template <class Grid>
     Dense(const Grid& grid, const openvdb::CoordBBox& box) : box(box) {
         auto values = grid.getConstAccessor();
-        for (auto at = box.begin(); at; ++at) voxels.push_back({values.getValue(*at), values.isValueOn(*at)});
+        for (auto at = box.begin(); at; ++at)
+            voxels.push_back({values.getValue(*at), values.isValueOn(*at)});
     }
     Voxel& at(const openvdb::Coord& c) {
         const auto from = c - box.min();
         const auto size = box.dim();
-        return voxels.at(static_cast<std::size_t>((from.x() * size.y() + from.y()) * size.z() + from.z()));
+        return voxels.at(
+            static_cast<std::size_t>((from.x() * size.y() + from.y()) * size.z() + from.z()));
     }
 };
 
-/// Where lattice vertices are voxels: vertex (i, j, k) at origin + i step[0] + j step[1] + k step[2].
+/// Where lattice vertices are voxels: vertex (i, j, k) at origin + i step[0] + j step[1] + k
+/// step[2].
 struct Layout {
     openvdb::Coord origin;
     std::array<openvdb::Coord, 3> step;
@@ -46,16 +49,21 @@ struct Layout {
     }
 };
 
-/// Classical seam carving, one seam after the other, column by column, straight from its definition: the reference for
-/// everything that is cleverer. Only the first `count` seams of a set.
+/// Classical seam carving, one seam after the other, column by column, straight from its
+/// definition: the reference for everything that is cleverer. Only the first `count` seams of a
+/// set.
 template <class T, class Mean>
-void carve(Dense<T>& dense, const Layout& layout, const Seams& seams, std::size_t t, std::size_t count, const T& background, const Mean& mean) {
+void carve(Dense<T>& dense, const Layout& layout, const Seams& seams, std::size_t t,
+           std::size_t count, const T& background, const Mean& mean) {
     using Voxel = typename Dense<T>::Voxel;
     const int size = seams.carved();
     for (int k = 0; k < seams.slices(); ++k)
         for (int lateral = 0; lateral < seams.lateral(); ++lateral) {
-            const auto vertex = [&](int entry) { return layout(vertex_of(seams.axis, entry, lateral, k)); };
-            const auto column = t * seams.columns_per_frame() + static_cast<std::size_t>(lateral + seams.lateral() * k);
+            const auto vertex = [&](int entry) {
+                return layout(vertex_of(seams.axis, entry, lateral, k));
+            };
+            const auto column = t * seams.columns_per_frame() +
+                                static_cast<std::size_t>(lateral + seams.lateral() * k);
             std::vector<Voxel> before, after;
             for (int i = 0; i < size; ++i) before.push_back(dense.at(vertex(i)));
             // The two windows of pairs know nothing of each other.
@@ -73,18 +81,23 @@ void carve(Dense<T>& dense, const Layout& layout, const Seams& seams, std::size_
             for (int i = 0; i < size; ++i) {
                 const auto own = before[static_cast<std::size_t>(i)];
                 if (std::count(left.begin(), left.end(), i)) after.push_back(own);
-                for (auto n = std::count(doubled.begin(), doubled.end(), i); n > 0; --n) after.push_back(mean(own, before.at(static_cast<std::size_t>(i + 1))));
+                for (auto n = std::count(doubled.begin(), doubled.end(), i); n > 0; --n)
+                    after.push_back(mean(own, before.at(static_cast<std::size_t>(i + 1))));
             }
             after.resize(std::max(before.size(), after.size()), Voxel{background, false});
-            for (std::size_t i = 0; i < after.size(); ++i) dense.at(vertex(static_cast<int>(i))) = after[i];
+            for (std::size_t i = 0; i < after.size(); ++i)
+                dense.at(vertex(static_cast<int>(i))) = after[i];
         }
 }
 
 /// 0 to n - 1.
-inline int below(std::mt19937& random, int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); }
+inline int below(std::mt19937& random, int n) {
+    return static_cast<int>(random() % static_cast<unsigned>(n));
+}
 
 /// A set of arbitrary seams, not even feasible: carving does not ask for it.
-inline Seams random_seams(std::mt19937& random, const Lattice& lattice, const std::array<int, 3>& shape, Axis axis, Seams::Kind kind, int count,
+inline Seams random_seams(std::mt19937& random, const Lattice& lattice,
+                          const std::array<int, 3>& shape, Axis axis, Seams::Kind kind, int count,
                           std::vector<int> frames) {
     auto out = no_seams(lattice, axis, kind, std::move(frames));
     out.shape = shape;
@@ -97,30 +110,38 @@ inline Seams random_seams(std::mt19937& random, const Lattice& lattice, const st
         std::shuffle(free.begin(), free.end(), random);
         for (int n = 0; n < count; ++n)
             out.seams[static_cast<std::size_t>(n)].at.all()[c] = static_cast<std::uint16_t>(
-                kind == Seams::Kind::insert ? free.at(static_cast<std::size_t>(n)) : static_cast<int>(random() % static_cast<unsigned>(out.carved() - n)));
+                kind == Seams::Kind::insert
+                    ? free.at(static_cast<std::size_t>(n))
+                    : static_cast<int>(random() % static_cast<unsigned>(out.carved() - n)));
     }
     return out;
 }
 
 /// The same in pairs: the first window of each column below a random vertex, the pair's from it on.
 /// @param count  at most a third of the vertices along the axis
-inline Seams random_pairs(std::mt19937& random, const Lattice& lattice, const std::array<int, 3>& shape, Axis axis, Seams::Kind kind, int count,
+inline Seams random_pairs(std::mt19937& random, const Lattice& lattice,
+                          const std::array<int, 3>& shape, Axis axis, Seams::Kind kind, int count,
                           std::vector<int> frames) {
     auto out = random_seams(random, lattice, shape, axis, kind, 0, std::move(frames));
     const auto columns = out.columns_per_frame() * out.frames.size();
     for (auto* const window : {&out.seams, &out.pairs})
-        for (int n = 0; n < count; ++n) window->push_back({std::vector<std::uint16_t>(columns), 0.0});
+        for (int n = 0; n < count; ++n)
+            window->push_back({std::vector<std::uint16_t>(columns), 0.0});
     for (std::size_t c = 0; c < columns; ++c) {
-        const auto fill = [&](std::vector<Seams::Seam>& window, Seams::Kind kind, int first, int last) {
+        const auto fill = [&](std::vector<Seams::Seam>& window, Seams::Kind kind, int first,
+                              int last) {
             std::vector<int> free;
             for (int i = first; i <= last; ++i) free.push_back(i);
             std::shuffle(free.begin(), free.end(), random);
             for (int n = 0; n < count; ++n)
-                window[static_cast<std::size_t>(n)].at.all()[c] =
-                    static_cast<std::uint16_t>(kind == Seams::Kind::insert ? free.at(static_cast<std::size_t>(n))
-                                                                           : first + static_cast<int>(random() % static_cast<unsigned>(last - first + 1 - n)));
+                window[static_cast<std::size_t>(n)].at.all()[c] = static_cast<std::uint16_t>(
+                    kind == Seams::Kind::insert
+                        ? free.at(static_cast<std::size_t>(n))
+                        : first + static_cast<int>(random() %
+                                                   static_cast<unsigned>(last - first + 1 - n)));
         };
-        const int room = out.carved() - 1 - 2 * count, border = count + static_cast<int>(random() % static_cast<unsigned>(room + 1));
+        const int room = out.carved() - 1 - 2 * count,
+                  border = count + static_cast<int>(random() % static_cast<unsigned>(room + 1));
         fill(out.seams, kind, 0, border - 1);
         fill(out.pairs, opposite(kind), border, out.carved() - 2);
     }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/payloads.h"
+#include "carve/volume/volume.h"
 
 #include <cmath>
 
@@ -13,7 +13,8 @@ typename Grid::Ptr sampled(const openvdb::CoordBBox& box, double voxel, const Va
     out->setTransform(openvdb::math::Transform::createLinearTransform(voxel));
     out->setName("sampled");
     auto accessor = out->getAccessor();
-    for (auto at = box.begin(); at; ++at) accessor.setValue(*at, value(out->indexToWorld((*at).asVec3d())));
+    for (auto at = box.begin(); at; ++at)
+        accessor.setValue(*at, value(out->indexToWorld((*at).asVec3d())));
     return out;
 }
 
@@ -34,10 +35,15 @@ VectorGrid::Ptr sampled_staggered(const openvdb::CoordBBox& box, double voxel, c
 }
 
 /// The velocity of a rigid rotation: its curl is 2 omega.
-inline openvdb::Vec3s rotation(const openvdb::Vec3d& omega, const openvdb::Vec3d& at) { return openvdb::Vec3s(omega.cross(at)); }
+inline openvdb::Vec3s rotation(const openvdb::Vec3d& omega, const openvdb::Vec3d& at) {
+    return openvdb::Vec3s(omega.cross(at));
+}
 
 /// A smooth field that differs in all directions, 0 to 4.
-inline float swirl(const openvdb::Vec3d& at) { return static_cast<float>(2 + std::sin(0.3 * at.x() + 0.2 * at.y()) + std::cos(0.25 * at.z() - 0.4 * at.x())); }
+inline float swirl(const openvdb::Vec3d& at) {
+    return static_cast<float>(2 + std::sin(0.3 * at.x() + 0.2 * at.y()) +
+                              std::cos(0.25 * at.z() - 0.4 * at.x()));
+}
 
 inline Volume volume_of(const openvdb::GridBase::ConstPtr& grid) {
     Volume out;
@@ -48,7 +54,8 @@ inline Volume volume_of(const openvdb::GridBase::ConstPtr& grid) {
 /// The sum of the active values of a FloatGrid.
 inline double sum(const openvdb::GridBase& grid) {
     double out = 0;
-    for (auto value = static_cast<const FloatGrid&>(grid).cbeginValueOn(); value; ++value) out += *value;
+    for (auto value = static_cast<const FloatGrid&>(grid).cbeginValueOn(); value; ++value)
+        out += *value;
     return out;
 }
 

@@ -8,12 +8,17 @@
 #include <string>
 #include <system_error>
 
-/// A new folder of a test's own, removed with all in it. What a killed process left behind is never met again.
+/// A new folder of a test's own, removed with all in it. What a killed process left behind is never
+/// met again.
 class Scratch {
 public:
     Scratch() {
-        auto name = (std::filesystem::temp_directory_path() / ("fluidcarve-test-" + std::string(6, 'X'))).string();
-        if (!mkdtemp(name.data())) throw std::filesystem::filesystem_error("no scratch folder", name, std::error_code(errno, std::generic_category()));
+        auto name =
+            (std::filesystem::temp_directory_path() / ("fluidcarve-test-" + std::string(6, 'X')))
+                .string();
+        if (!mkdtemp(name.data()))
+            throw std::filesystem::filesystem_error(
+                "no scratch folder", name, std::error_code(errno, std::generic_category()));
         path_ = name;
     }
     ~Scratch() {

@@ -31,7 +31,8 @@ inline SheetFrame frame_of(int number, FloatGrid::ConstPtr before, FloatGrid::Co
     return out;
 }
 
-inline SheetWish wish_for(View view = View::y, std::vector<SheetWish::Show> shows = {SheetWish::Show::maximum}) {
+inline SheetWish wish_for(View view = View::y,
+                          std::vector<SheetWish::Show> shows = {SheetWish::Show::maximum}) {
     SheetWish out;
     out.grid = "density";
     out.view = view;
@@ -73,9 +74,13 @@ inline Found find_within(const Canvas& canvas, Colour colour, int left, int top,
 }
 
 /// In the panels of a sheet.
-inline Found find(const Canvas& canvas, Colour colour) { return find_within(canvas, colour, panels_left, 92, canvas.height() - 32); }
+inline Found find(const Canvas& canvas, Colour colour) {
+    return find_within(canvas, colour, panels_left, 92, canvas.height() - 32);
+}
 
 /// In the head of a sheet.
-inline Found find_in_head(const Canvas& canvas, Colour colour) { return find_within(canvas, colour, 0, 0, 68); }
+inline Found find_in_head(const Canvas& canvas, Colour colour) {
+    return find_within(canvas, colour, 0, 0, 68);
+}
 
 }  // namespace fluidcarve::test

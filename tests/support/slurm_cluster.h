@@ -17,11 +17,15 @@
 #include <thread>
 #include <vector>
 
-/// A Slurm with four nodes on this machine: daemons, configuration, key and ports of its own, all in one folder, ended with the object. Nodes are
-/// found lost after some 10 s, and what they ran starts again 6 s later.
+/// A Slurm with four nodes on this machine: daemons, configuration, key and ports of its own, all
+/// in one folder, ended with the object. Nodes are found lost after some 10 s, and what they ran
+/// starts again 6 s later.
 class SlurmCluster {
 public:
-    static bool installed() { return call_shell("PATH=$PATH:/usr/sbin; command -v slurmctld slurmd munged sbatch").code == 0; }
+    static bool installed() {
+        return call_shell("PATH=$PATH:/usr/sbin; command -v slurmctld slurmd munged sbatch").code ==
+               0;
+    }
 
     SlurmCluster() {
         const auto user = std::string(getpwuid(getuid())->pw_name);
@@ -58,33 +62,50 @@ KillWait=5
 )",
                                 folder.path(), port[0], user);
         for (int node = 1; node <= nodes; ++node) {
-            conf += fmt::format("NodeName=n{} NodeHostname=localhost NodeAddr=127.0.0.1 Port={} CPUs=2 CoresPerSocket=2 RealMemory=8000\n", node,
-                                port[static_cast<std::size_t>(node)]);
+            conf += fmt::format(
+                "NodeName=n{} NodeHostname=localhost NodeAddr=127.0.0.1 Port={} CPUs=2 "
+                "CoresPerSocket=2 RealMemory=8000\n",
+                node, port[static_cast<std::size_t>(node)]);
             std::filesystem::create_directories(folder / fmt::format("n{}", node));
         }
-        conf += fmt::format("PartitionName=main Nodes=n[1-{}] Default=YES MaxTime=INFINITE\n", nodes);
+        conf +=
+            fmt::format("PartitionName=main Nodes=n[1-{}] Default=YES MaxTime=INFINITE\n", nodes);
         folder.write("slurm.conf", conf);
         folder.write("cgroup.conf", "CgroupPlugin=cgroup/v1\nCgroupAutomount=no\n");
         std::filesystem::create_directories(folder / "state");
-        call_shell(fmt::format("chmod 755 {0}; head -c 1024 /dev/urandom >{0}/key; chmod 400 {0}/key", folder.path()));
-        start("munged", fmt::format("munged --foreground --force --key-file={0}/key --socket={0}/munge.socket --pid-file={0}/munged.pid --seed-file={0}/seed",
-                                    folder.path()));
+        call_shell(fmt::format(
+            "chmod 755 {0}; head -c 1024 /dev/urandom >{0}/key; chmod 400 {0}/key", folder.path()));
+        start(
+            "munged",
+            fmt::format("munged --foreground --force --key-file={0}/key --socket={0}/munge.socket "
+                        "--pid-file={0}/munged.pid --seed-file={0}/seed",
+                        folder.path()));
         wait_for([&] { return std::filesystem::exists(folder / "munge.socket"); });
         start("slurmctld", "slurmctld -D");
-        for (int node = 1; node <= nodes; ++node) start(fmt::format("n{}", node), fmt::format("slurmd -D -N n{}", node));
-        wait_for([&] { return call("sinfo --noheader --Node --format=%T | grep -c '^idle$'").out == fmt::format("{}\n", nodes); });
+        for (int node = 1; node <= nodes; ++node)
+            start(fmt::format("n{}", node), fmt::format("slurmd -D -N n{}", node));
+        wait_for([&] {
+            return call("sinfo --noheader --Node --format=%T | grep -c '^idle$'").out ==
+                   fmt::format("{}\n", nodes);
+        });
     }
     ~SlurmCluster() {
-        call("scancel --quiet --user=$(id -un); while squeue --noheader | grep -q .; do sleep 0.1; done");
-        for (const auto& [name, process] : processes_) kill(process, name.starts_with('n') ? SIGKILL : SIGTERM);
+        call(
+            "scancel --quiet --user=$(id -un); while squeue --noheader | grep -q .; do sleep 0.1; "
+            "done");
         for (const auto& [name, process] : processes_)
-            for (int n = 0; n < 100 && alive(process); ++n) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            kill(process, name.starts_with('n') ? SIGKILL : SIGTERM);
+        for (const auto& [name, process] : processes_)
+            for (int n = 0; n < 100 && alive(process); ++n)
+                std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
     SlurmCluster(const SlurmCluster&) = delete;
     SlurmCluster& operator=(const SlurmCluster&) = delete;
 
     /// Runs a shell command for which this is the machine's Slurm.
-    Called call(const std::string& command) const { return call_shell(fmt::format("export SLURM_CONF={}; {}", folder / "slurm.conf", command)); }
+    Called call(const std::string& command) const {
+        return call_shell(fmt::format("export SLURM_CONF={}; {}", folder / "slurm.conf", command));
+    }
 
     /// Waits until no job is left.
     void wait_until_empty() const {
@@ -94,7 +115,11 @@ KillWait=5
     std::string node_of(const std::string& step) const {
         std::string out;
         wait_for([&] {
-            return !(out = call(fmt::format("squeue --noheader --states=running --format='%j %N' | sed -n 's/.*[.]{} //p' | head -1", step)).out).empty();
+            return !(out = call(fmt::format("squeue --noheader --states=running --format='%j %N' | "
+                                            "sed -n 's/.*[.]{} //p' | head -1",
+                                            step))
+                               .out)
+                        .empty();
         });
         out.pop_back();
         return out;
@@ -103,7 +128,8 @@ KillWait=5
     void kill_node(const std::string& node) const {
         kill(processes_.at(node), SIGKILL);
         call(
-            fmt::format("ended() {{ for child in $(pgrep -P $1); do ended $child; done; kill -9 $1; }}; for task in $(pgrep -f '^[^ ]*bash {}/job'); do "
+            fmt::format("ended() {{ for child in $(pgrep -P $1); do ended $child; done; kill -9 "
+                        "$1; }}; for task in $(pgrep -f '^[^ ]*bash {}/job'); do "
                         "kill -9 $(ps -o ppid= $task); ended $task; done",
                         folder / node));
     }
@@ -136,13 +162,17 @@ private:
     }
     template <class Condition>
     static void wait_for(const Condition& condition) {
-        for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(90); !condition();) {
-            if (std::chrono::steady_clock::now() > end) throw std::runtime_error("Slurm does not answer");
+        for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(90);
+             !condition();) {
+            if (std::chrono::steady_clock::now() > end)
+                throw std::runtime_error("Slurm does not answer");
             std::this_thread::sleep_for(std::chrono::milliseconds(100));
         }
     }
     void start(const std::string& name, const std::string& command) {
-        const auto started = call(fmt::format("PATH=$PATH:/usr/sbin; {} >{} 2>&1 </dev/null & echo $!", command, folder / (name + ".out")));
+        const auto started =
+            call(fmt::format("PATH=$PATH:/usr/sbin; {} >{} 2>&1 </dev/null & echo $!", command,
+                             folder / (name + ".out")));
         processes_[name] = std::stoi(started.out);
     }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "nodes/seam/costs/code.h"
-#include "nodes/seam/costs/volume.h"
+#include "carve/solver/costs/code.h"
+#include "carve/solver/costs/volume.h"
 
 #include <tbb/parallel_for.h>
 
@@ -23,17 +23,23 @@ class SyntheticEnergy {
 public:
     SyntheticEnergy(Synthetic kind, unsigned seed) : kind_(kind), seed_(seed) {}
 
-    EnergyVolume operator()(const std::array<int, 3>& shape, std::size_t frames, bool closed = false) const {
+    EnergyVolume operator()(const std::array<int, 3>& shape, std::size_t frames,
+                            bool closed = false) const {
         EnergyVolume out(shape, Axis::u, frames, ~std::uint64_t{0}, "", closed);
-        const auto width = static_cast<std::size_t>(shape[0]), laterals = static_cast<std::size_t>(shape[1]), slices = static_cast<std::size_t>(shape[2]);
+        const auto width = static_cast<std::size_t>(shape[0]),
+                   laterals = static_cast<std::size_t>(shape[1]),
+                   slices = static_cast<std::size_t>(shape[2]);
         tbb::parallel_for(std::size_t{0}, frames * slices, [&](std::size_t row) {
             std::vector<float> energies(width);
             for (std::size_t lateral = 0; lateral < laterals; ++lateral) {
                 const Place place{lateral, row % slices, row / slices};
-                if (kind_ == Synthetic::smoke) fill_smoke(energies, place, static_cast<float>(laterals));
+                if (kind_ == Synthetic::smoke)
+                    fill_smoke(energies, place, static_cast<float>(laterals));
                 else
-                    for (std::size_t i = 0; i < width; ++i) energies[i] = 0.05f + random({i, place[0], place[1], place[2]}, 0);
-                auto* const codes = out.codes(place[2]).data() + (lateral + laterals * place[1]) * width;
+                    for (std::size_t i = 0; i < width; ++i)
+                        energies[i] = 0.05f + random({i, place[0], place[1], place[2]}, 0);
+                auto* const codes =
+                    out.codes(place[2]).data() + (lateral + laterals * place[1]) * width;
                 for (std::size_t i = 0; i < width; ++i) codes[i] = encode_energy(energies[i]);
             }
         });
@@ -54,7 +60,8 @@ private:
     }
 
     /// Adds noise that changes over `cell` entries, columns and frames.
-    void add_octave(std::vector<float>& energies, const Place& place, std::size_t cell, float height, unsigned octave) const {
+    void add_octave(std::vector<float>& energies, const Place& place, std::size_t cell,
+                    float height, unsigned octave) const {
         const auto knot = [&](std::size_t n) {
             float out = 0;
             for (unsigned corner = 0; corner < 8; ++corner) {
@@ -62,7 +69,8 @@ private:
                 float weight = 1;
                 for (unsigned d = 0; d < 3; ++d) {
                     const bool far = corner >> d & 1;
-                    const auto part = static_cast<float>(place[d] % cell) / static_cast<float>(cell);
+                    const auto part =
+                        static_cast<float>(place[d] % cell) / static_cast<float>(cell);
                     at[d + 1] = place[d] / cell + far;
                     weight *= far ? part : 1 - part;
                 }
@@ -76,7 +84,8 @@ private:
                 before = after;
                 after = knot(i / cell + 1);
             }
-            energies[i] += height * (before + (after - before) * static_cast<float>(i % cell) / static_cast<float>(cell));
+            energies[i] += height * (before + (after - before) * static_cast<float>(i % cell) /
+                                                  static_cast<float>(cell));
         }
     }
 
@@ -87,8 +96,10 @@ private:
         add_octave(energies, place, 4, 0.2f, 3);
         const auto width = static_cast<float>(energies.size());
         for (std::size_t i = 0; i < energies.size(); ++i) {
-            const float x = (static_cast<float>(i) - width / 2) / (0.35f * width), y = (static_cast<float>(place[0]) - laterals / 2) / (0.6f * laterals);
-            const float away = x * x + y * y, grain = 0.05f * random({i, place[0], place[1], place[2]}, 0);
+            const float x = (static_cast<float>(i) - width / 2) / (0.35f * width),
+                        y = (static_cast<float>(place[0]) - laterals / 2) / (0.6f * laterals);
+            const float away = x * x + y * y,
+                        grain = 0.05f * random({i, place[0], place[1], place[2]}, 0);
             const float swirl = 1.6f * std::abs(energies[i] + grain - 0.5f);
             energies[i] = away < 1 ? 0.5f * swirl + 0.001f : 0.4f + 0.3f * std::min(away - 1, 1.0f);
         }

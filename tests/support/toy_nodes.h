@@ -1,7 +1,7 @@
 #pragma once
 
-#include "graph/output_file.h"
-#include "graph/text/problem.h"
+#include "carve/base/failure.h"
+#include "formats/file/output_file.h"
 #include "graph/types/registry.h"
 
 #include <fmt/format.h>
@@ -81,8 +81,11 @@ struct Count {
         if (params.missing) survey.missing(params.fail_at, "the file is not there");
     }
     static void run(const Params& params, Ports& io, Context& context) {
-        if (context.frame() == params.fail_at) throw Failure("made to fail", params.missing ? Failure::Kind::input : Failure::Kind::data);
-        if (params.late && context.place() % 3 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(3));
+        if (context.frame() == params.fail_at)
+            throw Failure("made to fail",
+                          params.missing ? Failure::Kind::input : Failure::Kind::data);
+        if (params.late && context.place() % 3 == 0)
+            std::this_thread::sleep_for(std::chrono::milliseconds(3));
         io.number = std::make_shared<Number>(context.frame());
         log.add(fmt::format("count {}", context.frame()));
     }
@@ -115,7 +118,9 @@ struct Total {
         Optional<Number> start;
         Ref<Number> total;
     };
-    static bool wants(const Params& params, const Context& context) { return params.only_place < 0 || static_cast<int>(context.place()) == params.only_place; }
+    static bool wants(const Params& params, const Context& context) {
+        return params.only_place < 0 || static_cast<int>(context.place()) == params.only_place;
+    }
     void add(const Params&, const Ports& io, Context& context) {
         sum += io.number->value;
         log.add(fmt::format("total {}", context.frame()));
@@ -143,7 +148,9 @@ struct Share {
     static bool gathers(const Params& params) { return !params.stated; }
     void add(const Params&, const Ports& io, Context&) { most = std::max(most, io.number->value); }
     void finish(const Params&, Ports&, Context&) {}
-    void run(const Params&, Ports& io, Context&) const { io.share = std::make_shared<Number>(io.number->value / most); }
+    void run(const Params&, Ports& io, Context&) const {
+        io.share = std::make_shared<Number>(io.number->value / most);
+    }
     double most = 1;
 };
 
@@ -156,7 +163,8 @@ struct Print {
         Optional<Number> total;
     };
     static void run(const Params&, Ports& io, Context& context) {
-        log.add(fmt::format("print {} = {}{}", context.frame(), io.number->value, io.total ? fmt::format(" of {}", io.total->value) : ""));
+        log.add(fmt::format("print {} = {}{}", context.frame(), io.number->value,
+                            io.total ? fmt::format(" of {}", io.total->value) : ""));
     }
 };
 
@@ -187,7 +195,8 @@ struct Square {
         Ref<Number> number, square;
     };
     static void run(const Params& params, Ports& io, Context& context) {
-        if (params.slow_ms > 0) std::this_thread::sleep_for(std::chrono::milliseconds(params.slow_ms));
+        if (params.slow_ms > 0)
+            std::this_thread::sleep_for(std::chrono::milliseconds(params.slow_ms));
         io.square = std::make_shared<Number>(params.times * io.number->value * io.number->value);
         if (io.square->value > 50) context.warn("a large number");
         context.report("squares", {{std::to_string(context.frame()), io.square->value}});
@@ -195,7 +204,8 @@ struct Square {
     }
 };
 
-/// So many of the numbers of all frames, the largest first: takes each frame as a digest, and finds more if it has some.
+/// So many of the numbers of all frames, the largest first: takes each frame as a digest, and finds
+/// more if it has some.
 struct Top {
     struct Params {
         int count = 1;
@@ -210,7 +220,9 @@ struct Top {
         if (io.number->value < 2) context.warn("a small number");
         return std::make_shared<Number>(io.number->value);
     }
-    void add(const Params&, const Ref<Number>& number, Context&) { numbers.push_back(number->value); }
+    void add(const Params&, const Ref<Number>& number, Context&) {
+        numbers.push_back(number->value);
+    }
     void resume(const Payload& result, const nlohmann::ordered_json& entry) {
         found = result.as<Text>()->value;
         known = entry.at("steps").size();
@@ -236,12 +248,15 @@ struct Top {
                 [](const Payload& result) {
                     return Extent{steps(*result.as<Text>()).size(), 0};
                 },
-                [](const void* params, std::size_t) { return static_cast<std::size_t>(static_cast<const Params*>(params)->count); },
+                [](const void* params, std::size_t) {
+                    return static_cast<std::size_t>(static_cast<const Params*>(params)->count);
+                },
                 [](const Payload& result, std::size_t count, nlohmann::ordered_json& entry) {
                     auto all = steps(*result.as<Text>());
                     all.resize(count);
                     entry["steps"] = all;
-                    return Payload(std::make_shared<Text>(Text{fmt::format("{} ", fmt::join(all, " "))}));
+                    return Payload(
+                        std::make_shared<Text>(Text{fmt::format("{} ", fmt::join(all, " "))}));
                 }};
     }
     std::vector<double> numbers;
@@ -249,7 +264,8 @@ struct Top {
     std::size_t known = 0;
 };
 
-/// Writes a file, which begins with its place in time as writers' files do: no two are the same to the byte.
+/// Writes a file, which begins with its place in time as writers' files do: no two are the same to
+/// the byte.
 struct Save {
     struct Params {
         OutputPath path;
@@ -261,7 +277,8 @@ struct Save {
     static void run(const Params& params, Ports& io, Context& context) {
         static std::atomic<int> serial{0};
         OutputFile file(params.path.at(context.frame()));
-        std::ofstream(file.aside()) << serial++ << ": " << io.number->value << " " << (io.text ? io.text->value : "");
+        std::ofstream(file.aside())
+            << serial++ << ": " << io.number->value << " " << (io.text ? io.text->value : "");
         file.commit();
         log.add(fmt::format("save {}", context.frame()));
     }
@@ -275,60 +292,72 @@ inline Registry registry() {
                                   from >> value;
                                   return std::make_shared<Number>(value);
                               }};
-    const Filed<Text> filed_text{1, [](const Text& text, std::ostream& to) { to << text.value; },
-                                 [](std::istream& from) {
-                                     return std::make_shared<Text>(Text{{std::istreambuf_iterator<char>(from), {}}});
-                                 }};
+    const Filed<Text> filed_text{
+        1, [](const Text& text, std::ostream& to) { to << text.value; },
+        [](std::istream& from) {
+            return std::make_shared<Text>(Text{{std::istreambuf_iterator<char>(from), {}}});
+        }};
     out.add(payload_type<Number>(
         "number", "A number.", [](const Number&) { return std::uint64_t{8}; }, filed));
     out.add(payload_type<Text>(
-        "text", "A text.", [](const Text& text) { return std::uint64_t{text.value.size()}; }, filed_text));
+        "text", "A text.", [](const Text& text) { return std::uint64_t{text.value.size()}; },
+        filed_text));
     out.add(NodeType(Declare<Load>("toy.load", "Reads numbers.")
                          .required("path", &Load::Params::path, "A file per frame.")
                          .output("number", &Load::Ports::number, "The number.")));
-    out.add(NodeType(Declare<Square>("toy.square", "Squares numbers.")
-                         .input("number", &Square::Ports::number, "The number.")
-                         .param("times", &Square::Params::times, Unit::none, any_number(), "Multiplies it.")
-                         .param("slow_ms", &Square::Params::slow_ms, Unit::none, at_least(0), "Takes so long.")
-                         .output("square", &Square::Ports::square, "The square.")
-                         .kept()));
-    out.add(NodeType(Declare<Top>("toy.top", "The largest numbers of all frames.")
-                         .input("number", &Top::Ports::number, "The numbers.")
-                         .param("count", &Top::Params::count, Unit::none, between(0, 100), "How many.")
-                         .param("offset", &Top::Params::offset, Unit::none, any_number(), "Added to each.")
-                         .output("top", &Top::Ports::top, "The largest first.")
-                         .digests({"number"})
-                         .grows(Top::growth())
-                         .kept()));
+    out.add(NodeType(
+        Declare<Square>("toy.square", "Squares numbers.")
+            .input("number", &Square::Ports::number, "The number.")
+            .param("times", &Square::Params::times, Unit::none, any_number(), "Multiplies it.")
+            .param("slow_ms", &Square::Params::slow_ms, Unit::none, at_least(0), "Takes so long.")
+            .output("square", &Square::Ports::square, "The square.")
+            .kept()));
+    out.add(NodeType(
+        Declare<Top>("toy.top", "The largest numbers of all frames.")
+            .input("number", &Top::Ports::number, "The numbers.")
+            .param("count", &Top::Params::count, Unit::none, between(0, 100), "How many.")
+            .param("offset", &Top::Params::offset, Unit::none, any_number(), "Added to each.")
+            .output("top", &Top::Ports::top, "The largest first.")
+            .digests({"number"})
+            .grows(Top::growth())
+            .kept()));
     out.add(NodeType(Declare<Save>("toy.save", "Writes numbers.")
                          .input("number", &Save::Ports::number, "The number.")
                          .input("text", &Save::Ports::text, "Written behind it.")
                          .required("path", &Save::Params::path, "A file per frame.")));
-    out.add(NodeType(Declare<Count>("toy.count", "The frame's number.")
-                         .required("path", &Count::Params::path, "Looks like input; nothing is opened.")
-                         .param("fail_at", &Count::Params::fail_at, Unit::frames, any_number(), "Fails at this frame.")
-                         .param("missing", &Count::Params::missing, "The failure is a missing file.")
-                         .param("late", &Count::Params::late, "Takes long at every third frame.")
-                         .param("skip", &Count::Params::skip, Unit::frames, any_number(), "Leaves this frame out.")
-                         .output("number", &Count::Ports::number, "The number.")));
-    out.add(NodeType(Declare<Add>("toy.add", "Adds numbers.")
-                         .input("numbers", &Add::Ports::numbers, "What to add.")
-                         .param("offset", &Add::Params::offset, Unit::none, between(-100, 100), "Added too.")
-                         .param("throw_at", &Add::Params::throw_at, Unit::frames, any_number(), "Throws at this frame.")
-                         .output("sum", &Add::Ports::sum, "The sum.")));
+    out.add(
+        NodeType(Declare<Count>("toy.count", "The frame's number.")
+                     .required("path", &Count::Params::path, "Looks like input; nothing is opened.")
+                     .param("fail_at", &Count::Params::fail_at, Unit::frames, any_number(),
+                            "Fails at this frame.")
+                     .param("missing", &Count::Params::missing, "The failure is a missing file.")
+                     .param("late", &Count::Params::late, "Takes long at every third frame.")
+                     .param("skip", &Count::Params::skip, Unit::frames, any_number(),
+                            "Leaves this frame out.")
+                     .output("number", &Count::Ports::number, "The number.")));
+    out.add(NodeType(
+        Declare<Add>("toy.add", "Adds numbers.")
+            .input("numbers", &Add::Ports::numbers, "What to add.")
+            .param("offset", &Add::Params::offset, Unit::none, between(-100, 100), "Added too.")
+            .param("throw_at", &Add::Params::throw_at, Unit::frames, any_number(),
+                   "Throws at this frame.")
+            .output("sum", &Add::Ports::sum, "The sum.")));
     out.add(NodeType(Declare<Total>("toy.total", "Adds a number over all frames.")
                          .input("number", &Total::Ports::number, "What to add.")
                          .input("start", &Total::Ports::start, "Where to start.")
-                         .param("only_place", &Total::Params::only_place, Unit::frames, any_number(), "Looks at one place of the sequence only.")
+                         .param("only_place", &Total::Params::only_place, Unit::frames,
+                                any_number(), "Looks at one place of the sequence only.")
                          .output("total", &Total::Ports::total, "The sum.")));
-    out.add(NodeType(Declare<Share>("toy.share", "A number as a share of the largest.")
-                         .input("number", &Share::Ports::number, "The number.")
-                         .param("stated", &Share::Params::stated, "The largest is 1; nothing is gathered.")
-                         .output("share", &Share::Ports::share, "The share.")));
-    out.add(NodeType(Declare<Print>("toy.print", "Writes down a number.")
-                         .input("number", &Print::Ports::number, "The number.")
-                         .input("total", &Print::Ports::total, "Shown beside it.")
-                         .required("path", &Print::Params::path, "Looks like output; nothing is written.")));
+    out.add(NodeType(
+        Declare<Share>("toy.share", "A number as a share of the largest.")
+            .input("number", &Share::Ports::number, "The number.")
+            .param("stated", &Share::Params::stated, "The largest is 1; nothing is gathered.")
+            .output("share", &Share::Ports::share, "The share.")));
+    out.add(NodeType(
+        Declare<Print>("toy.print", "Writes down a number.")
+            .input("number", &Print::Ports::number, "The number.")
+            .input("total", &Print::Ports::total, "Shown beside it.")
+            .required("path", &Print::Params::path, "Looks like output; nothing is written.")));
     return out;
 }
 

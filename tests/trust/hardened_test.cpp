@@ -18,10 +18,13 @@ TEST_CASE("what overruns memory ends the program: all binaries are hardened") {
     CHECK(binaries.size() >= 3);
     std::string symbols;
     for (const auto& binary : binaries) {
-        const auto read = call_shell(fmt::format("readelf --wide --file-header --program-headers --dynamic --dyn-syms {}", binary));
+        const auto read = call_shell(fmt::format(
+            "readelf --wide --file-header --program-headers --dynamic --dyn-syms {}", binary));
         REQUIRE(read.code == 0);
         INFO(binary);
-        CHECK_THAT(read.out, Catch::Contains("DYN (") && Catch::Contains("GNU_RELRO") && Catch::Contains("BIND_NOW") && Catch::Contains("__stack_chk_fail"));
+        CHECK_THAT(read.out, Catch::Contains("DYN (") && Catch::Contains("GNU_RELRO") &&
+                                 Catch::Contains("BIND_NOW") &&
+                                 Catch::Contains("__stack_chk_fail"));
         CHECK_THAT(read.out, !Catch::Contains("RWE"));
         if (binary == FLUIDCARVE_PROGRAM) CHECK_THAT(read.out, Catch::Contains("Flags: NOW PIE"));
         symbols += read.out;

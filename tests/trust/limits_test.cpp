@@ -10,7 +10,9 @@
 
 namespace {
 
-constexpr auto copying = "fluidcarve: 1\nframes: 1\nnodes:\n  sim: {type: vdb.read, path: in.####.vdb}\n  out: {type: vdb.write, source: sim, path: \"{}\"}\n";
+constexpr auto copying =
+    "fluidcarve: 1\nframes: 1\nnodes:\n  sim: {type: vdb.read, path: in.####.vdb}\n  out: {type: "
+    "vdb.write, source: sim, path: \"{}\"}\n";
 
 /// A folder with a pipeline that copies a volume.
 struct Copying {
@@ -22,7 +24,9 @@ struct Copying {
     }
     std::string out() const { return scratch / "out.0001.vdb"; }
     Called run(const std::string& limits, const std::string& options = "--no-cache") const {
-        return call_shell(limits + "timeout -s KILL 60 " FLUIDCARVE_PROGRAM " run --progress none " + scratch.path() + "/p.yaml " + options);
+        return call_shell(limits +
+                          "timeout -s KILL 60 " FLUIDCARVE_PROGRAM " run --progress none " +
+                          scratch.path() + "/p.yaml " + options);
     }
     Scratch scratch;
 };
@@ -39,26 +43,34 @@ TEST_CASE("a limit below what libraries need is told, before one of them crashes
     if (sanitized) return;
     for (const std::string verb : {"nodes", "inspect " TEST_DATA "/vdb/cortex_points.vdb"}) {
         const auto little = call_shell("ulimit -v 102400; " FLUIDCARVE_PROGRAM " " + verb);
-        CHECK(little.err == "failed: fluidcarve needs 256 MiB of address space at least; raise the limit (ulimit -v)\n");
+        CHECK(little.err ==
+              "failed: fluidcarve needs 256 MiB of address space at least; raise the limit (ulimit "
+              "-v)\n");
         CHECK(little.code == 1);
         const auto flat = call_shell("ulimit -s 64; " FLUIDCARVE_PROGRAM " " + verb);
-        CHECK(flat.err == "failed: fluidcarve needs a stack of 1 MiB at least; raise the limit (ulimit -s)\n");
+        CHECK(flat.err ==
+              "failed: fluidcarve needs a stack of 1 MiB at least; raise the limit (ulimit -s)\n");
         CHECK(flat.code == 1);
     }
 }
 
 TEST_CASE("without threads the program says so, and is not ended by a signal") {
     // Root has no limit of threads.
-    const std::string nobody = geteuid() == 0 ? "setpriv --reuid=54321 --regid=54321 --clear-groups " : "";
+    const std::string nobody =
+        geteuid() == 0 ? "setpriv --reuid=54321 --regid=54321 --clear-groups " : "";
     if (call_shell(nobody + FLUIDCARVE_PROGRAM " --version").code != 0) {
         WARN("skipped: the build is for its owner alone");
         return;
     }
     for (const int threads : {1, 3, 5, 7, 9}) {
         INFO(threads);
-        const auto called = call_shell(fmt::format("cd /tmp; {}prlimit --nproc={} {} run --threads 8 --no-cache --progress none {}/plume.yaml", nobody, threads,
-                                                   FLUIDCARVE_PROGRAM, SOURCE_ROOT "/pipelines"));
-        CHECK_THAT(called.err, Catch::Contains("failed: the system starts no more threads; raise its limit (ulimit -u), or give a smaller --threads\n"));
+        const auto called =
+            call_shell(fmt::format("cd /tmp; {}prlimit --nproc={} {} run --threads 8 --no-cache "
+                                   "--progress none {}/plume.yaml",
+                                   nobody, threads, FLUIDCARVE_PROGRAM, SOURCE_ROOT "/pipelines"));
+        CHECK_THAT(called.err,
+                   Catch::Contains("failed: the system starts no more threads; raise its limit "
+                                   "(ulimit -u), or give a smaller --threads\n"));
         CHECK(called.code == 1);
     }
 }

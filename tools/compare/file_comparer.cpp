@@ -4,9 +4,14 @@
 
 namespace fluidcarve {
 
-double PartDifference::mean() const { return compared > not_finite ? sum / static_cast<double>(compared - not_finite) : 0; }
+double PartDifference::mean() const {
+    return compared > not_finite ? sum / static_cast<double>(compared - not_finite) : 0;
+}
 
-double PartDifference::rms() const { return compared > not_finite ? std::sqrt(squares / static_cast<double>(compared - not_finite)) : 0; }
+double PartDifference::rms() const {
+    return compared > not_finite ? std::sqrt(squares / static_cast<double>(compared - not_finite))
+                                 : 0;
+}
 
 bool PartDifference::add(const PartDifference& frame) {
     compared += frame.compared;

@@ -1,13 +1,14 @@
 #include "tools/compare/files.h"
 
-#include "graph/text/problem.h"
-#include "graph/text/words.h"
-#include "graph/types/module.h"
-#include "nodes/image/image_volume.h"
-#include "nodes/io/vdb_file.h"
-#include "nodes/mesh/mesh_file.h"
-#include "nodes/points/file.h"
-#include "nodes/rig/curve_file.h"
+#include "carve/base/failure.h"
+#include "carve/base/words.h"
+#include "formats/file/module.h"
+#include "formats/geometry_file/curve_file.h"
+#include "formats/image/image_volume.h"
+#include "formats/mesh_file/mesh_file.h"
+#include "formats/points_file/file.h"
+#include "formats/points_file/ply.h"
+#include "formats/vdb/vdb_file.h"
 #include "tools/compare/grids.h"
 #include "tools/compare/picture.h"
 
@@ -26,7 +27,9 @@ struct GridFile {
 
     std::optional<std::size_t> find(const std::string& name) const {
         const auto found = std::find(names.begin(), names.end(), name);
-        return found == names.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - names.begin()));
+        return found == names.end()
+                   ? std::nullopt
+                   : std::optional(static_cast<std::size_t>(found - names.begin()));
     }
 };
 
@@ -37,11 +40,13 @@ PartDifference only_in(const char* file, const std::string& name) {
     return out;
 }
 
-std::vector<PartDifference> compare_all(const GridFile& a, const GridFile& b, const FilePair& paths, const Tolerance& tolerance) {
+std::vector<PartDifference> compare_all(const GridFile& a, const GridFile& b, const FilePair& paths,
+                                        const Tolerance& tolerance) {
     std::vector<PartDifference> out;
     for (std::size_t n = 0; n < a.names.size(); ++n) {
         const auto& name = a.names[n];
-        if (const auto other = b.find(name)) out.push_back(compare_grids(name, *a.grid(n), *b.grid(*other), paths, tolerance));
+        if (const auto other = b.find(name))
+            out.push_back(compare_grids(name, *a.grid(n), *b.grid(*other), paths, tolerance));
         else out.push_back(only_in("A", name));
     }
     for (const auto& name : b.names)
@@ -54,8 +59,10 @@ GridFile volume_file(const std::string& path, std::uint64_t memory) {
     return {file->header().names(), [file](std::size_t place) { return file->read(place); }};
 }
 
-std::vector<PartDifference> compare_volumes(const FilePair& files, const Tolerance& tolerance, std::uint64_t memory) {
-    return compare_all(volume_file(files.a, memory), volume_file(files.b, memory), files, tolerance);
+std::vector<PartDifference> compare_volumes(const FilePair& files, const Tolerance& tolerance,
+                                            std::uint64_t memory) {
+    return compare_all(volume_file(files.a, memory), volume_file(files.b, memory), files,
+                       tolerance);
 }
 
 openvdb::GridBase::ConstPtr named_grid(const GridFile& file, const std::string& name) {
@@ -63,9 +70,11 @@ openvdb::GridBase::ConstPtr named_grid(const GridFile& file, const std::string& 
     return place ? file.grid(*place) : nullptr;
 }
 
-void draw_volumes(const FilePair& files, const PartDifference& part, const std::string& title, const std::string& png) {
+void draw_volumes(const FilePair& files, const PartDifference& part, const std::string& title,
+                  const std::string& png) {
     constexpr auto no_limit = ~std::uint64_t{0};
-    const auto a = named_grid(volume_file(files.a, no_limit), part.name), b = named_grid(volume_file(files.b, no_limit), part.name);
+    const auto a = named_grid(volume_file(files.a, no_limit), part.name),
+               b = named_grid(volume_file(files.b, no_limit), part.name);
     draw_difference({a, b, files, *part.worst, title}).write_png(png);
 }
 
@@ -73,7 +82,9 @@ Volume volume_of_image(const std::string& path, std::uint64_t memory) {
     const auto& images = load_module<ImageModule>("images");
     const auto& format = format_of_file(path);
     if (const auto bytes = bytes_as_volume(images.header(path, format.name)); bytes > memory)
-        throw Failure(fmt::format("{} takes {} of memory; --memory allows {}", path, size_text(bytes), size_text(memory)), Failure::Kind::input);
+        throw Failure(fmt::format("{} takes {} of memory; --memory allows {}", path,
+                                  size_text(bytes), size_text(memory)),
+                      Failure::Kind::input);
     return volume_of(images.read(path, format.name));
 }
 
@@ -85,11 +96,14 @@ GridFile image_file(const Volume& volume) {
 }
 
 std::string size_of_picture(const Volume& volume) {
-    const auto size = volume.grids.empty() ? openvdb::Coord() : volume.grids.front()->evalActiveVoxelBoundingBox().dim();
+    const auto size = volume.grids.empty()
+                          ? openvdb::Coord()
+                          : volume.grids.front()->evalActiveVoxelBoundingBox().dim();
     return fmt::format("{} x {}", size.x(), size.y());
 }
 
-std::vector<PartDifference> compare_images(const FilePair& files, const Tolerance& tolerance, std::uint64_t memory) {
+std::vector<PartDifference> compare_images(const FilePair& files, const Tolerance& tolerance,
+                                           std::uint64_t memory) {
     const auto a = volume_of_image(files.a, memory), b = volume_of_image(files.b, memory);
     auto out = compare_all(image_file(a), image_file(b), files, tolerance);
     const auto in_a = size_of_picture(a), in_b = size_of_picture(b);
@@ -103,10 +117,13 @@ std::vector<PartDifference> compare_images(const FilePair& files, const Toleranc
     return out;
 }
 
-void draw_images(const FilePair& files, const PartDifference& part, const std::string& title, const std::string& png) {
+void draw_images(const FilePair& files, const PartDifference& part, const std::string& title,
+                 const std::string& png) {
     constexpr auto no_limit = ~std::uint64_t{0};
-    const auto a = image_file(volume_of_image(files.a, no_limit)), b = image_file(volume_of_image(files.b, no_limit));
-    draw_difference({named_grid(a, part.name), named_grid(b, part.name), files, *part.worst, title}).write_png(png);
+    const auto a = image_file(volume_of_image(files.a, no_limit)),
+               b = image_file(volume_of_image(files.b, no_limit));
+    draw_difference({named_grid(a, part.name), named_grid(b, part.name), files, *part.worst, title})
+        .write_png(png);
 }
 
 std::string attributes_of(const Mesh& mesh) {
@@ -118,19 +135,29 @@ std::string attributes_of(const Mesh& mesh) {
 std::vector<PartDifference> compare_meshes(const FilePair& files, const Tolerance& tolerance) {
     const auto a = read_mesh(files.a).mesh, b = read_mesh(files.b).mesh;
     auto out = compare_positions("mesh", "vertices", a.points, b.points, tolerance);
-    if (a.faces() != b.faces()) out.faults.push_back(fmt::format("faces: {} in A, {} in B", a.faces(), b.faces()));
-    else if (a.corners != b.corners || a.ends != b.ends) out.faults.emplace_back("faces: of other vertices");
+    if (a.faces() != b.faces())
+        out.faults.push_back(fmt::format("faces: {} in A, {} in B", a.faces(), b.faces()));
+    else if (a.corners != b.corners || a.ends != b.ends)
+        out.faults.emplace_back("faces: of other vertices");
     if (const auto in_a = attributes_of(a), in_b = attributes_of(b); in_a != in_b)
         out.faults.push_back(fmt::format("attributes: {} in A, {} in B", in_a, in_b));
     return {out};
 }
 
-std::vector<PartDifference> compare_geometry(const FilePair& files, const Tolerance& tolerance, std::uint64_t) {
-    if (ending_of(files.a) == ".csv") return {compare_positions("curve", "points", read_curve(files.a), read_curve(files.b), tolerance)};
-    const auto points = [](const std::string& path) { return names_ply(path) && holds_points(path); };
+std::vector<PartDifference> compare_geometry(const FilePair& files, const Tolerance& tolerance,
+                                             std::uint64_t) {
+    if (ending_of(files.a) == ".csv")
+        return {compare_positions("curve", "points", read_curve(files.a), read_curve(files.b),
+                                  tolerance)};
+    const auto points = [](const std::string& path) {
+        return names_ply(path) && holds_points(path);
+    };
     if (!points(files.a) || !points(files.b)) return compare_meshes(files, tolerance);
-    const auto positions = [](const std::string& path) { return read_points(path, {}, PointOffset::none, {}).positions(); };
-    return {compare_positions("points", "points", positions(files.a), positions(files.b), tolerance)};
+    const auto positions = [](const std::string& path) {
+        return read_points(path, {}, PointOffset::none, {}).positions();
+    };
+    return {
+        compare_positions("points", "points", positions(files.a), positions(files.b), tolerance)};
 }
 
 }  // namespace
@@ -139,10 +166,13 @@ FileComparer volume_comparer() { return {{".vdb"}, &compare_volumes, &draw_volum
 
 FileComparer image_comparer() { return {all_image_endings(), &compare_images, &draw_images}; }
 
-FileComparer geometry_comparer() { return {{".obj", ".ply", ".off", ".stl", ".csv"}, &compare_geometry, nullptr}; }
+FileComparer geometry_comparer() {
+    return {{".obj", ".ply", ".off", ".stl", ".csv"}, &compare_geometry, nullptr};
+}
 
 const std::vector<FileComparer>& comparers() {
-    static const std::vector<FileComparer> all{volume_comparer(), image_comparer(), geometry_comparer()};
+    static const std::vector<FileComparer> all{volume_comparer(), image_comparer(),
+                                               geometry_comparer()};
     return all;
 }
 

@@ -7,11 +7,12 @@ namespace fluidcarve {
 /// Compares the grids of .vdb files, by their names. Only two grids are in memory at once.
 FileComparer volume_comparer();
 
-/// Compares the channels of images, pixel by pixel, as image.read gives them: upright, integers from 0 to 1.
+/// Compares the channels of images, pixel by pixel, as image.read gives them: upright, integers
+/// from 0 to 1.
 FileComparer image_comparer();
 
-/// Compares meshes, points and curves: positions one by one, in the order of the files; of meshes the faces, too, and the names of the
-/// attributes.
+/// Compares meshes, points and curves: positions one by one, in the order of the files; of meshes
+/// the faces, too, and the names of the attributes.
 FileComparer geometry_comparer();
 
 /// All of them.

@@ -1,9 +1,9 @@
 #include "tools/compare/grids.h"
 
-#include "nodes/field/same_transform.h"
-#include "nodes/grid_types.h"
-#include "nodes/io/raw_grid.h"
-#include "nodes/points/point_grid.h"
+#include "carve/field/same_transform.h"
+#include "carve/points/point_grid.h"
+#include "carve/stream/raw_grid.h"
+#include "carve/volume/grid_types.h"
 
 #include <openvdb/points/PointDataGrid.h>
 #include <tbb/blocked_range.h>
@@ -37,7 +37,8 @@ double difference(const T& a, const T& b) {
         return std::sqrt(squares);
     } else if constexpr (std::is_same_v<T, std::int64_t>) {
         // Neighbours above 2^53 are one double.
-        return static_cast<double>(std::abs(static_cast<long double>(a) - static_cast<long double>(b)));
+        return static_cast<double>(
+            std::abs(static_cast<long double>(a) - static_cast<long double>(b)));
     } else {
         return difference_of(static_cast<double>(a), static_cast<double>(b));
     }
@@ -51,14 +52,17 @@ double magnitude(const T& value) {
 
 template <class T>
 std::vector<double> numbers(const T& value) {
-    if constexpr (is_vector<T>) return {static_cast<double>(value[0]), static_cast<double>(value[1]), static_cast<double>(value[2])};
+    if constexpr (is_vector<T>)
+        return {static_cast<double>(value[0]), static_cast<double>(value[1]),
+                static_cast<double>(value[2])};
     else return {static_cast<double>(value)};
 }
 
 template <class T>
 std::string text(const T& value) {
     const auto all = numbers(value);
-    return all.size() == 1 ? fmt::format("{:g}", all[0]) : fmt::format("[{:g}, {:g}, {:g}]", all[0], all[1], all[2]);
+    return all.size() == 1 ? fmt::format("{:g}", all[0])
+                           : fmt::format("[{:g}, {:g}, {:g}]", all[0], all[1], all[2]);
 }
 
 /// A value of a grid, and whether it is active.
@@ -76,7 +80,8 @@ struct Tally {
 
     /// @param times  how many voxels have these two values
     template <class T>
-    void see(const Place& place, std::uint64_t times, const Sample<T>& a, const Sample<T>& b, const Tolerance& tolerance) {
+    void see(const Place& place, std::uint64_t times, const Sample<T>& a, const Sample<T>& b,
+             const Tolerance& tolerance) {
         const double apart = difference(a.value, b.value);
         const bool finite = std::isfinite(apart);
         sums.compared += times;
@@ -88,7 +93,9 @@ struct Tally {
         }
         if (a.on != b.on) (a.on ? sums.only_a : sums.only_b) += times;
         auto allowed = tolerance.absolute;
-        if (tolerance.relative > 0) allowed = std::max(allowed, tolerance.relative * std::max(magnitude(a.value), magnitude(b.value)));
+        if (tolerance.relative > 0)
+            allowed = std::max(
+                allowed, tolerance.relative * std::max(magnitude(a.value), magnitude(b.value)));
         if (!finite || apart > allowed || (a.on != b.on && tolerance.none())) sums.over += times;
         if (apart > tolerance.warn) sums.warned += times;
         if ((apart > 0 || a.on != b.on) && better(apart, place)) {
@@ -115,7 +122,9 @@ struct Tally {
     }
 
 private:
-    bool better(double peak, const Place& place) const { return !sums.worst || peak > sums.peak || (peak == sums.peak && place < at); }
+    bool better(double peak, const Place& place) const {
+        return !sums.worst || peak > sums.peak || (peak == sums.peak && place < at);
+    }
 };
 
 /// Walks two trees at once. Where both have tiles, they are compared as such.
@@ -125,20 +134,24 @@ public:
     using Leaf = typename Tree::LeafNodeType;
     using Value = typename Tree::ValueType;
 
-    Walk(const Tree& a, const Tree& b, const Tolerance& tolerance) : a_(a), b_(b), at_a_(a), at_b_(b), tolerance_(tolerance) {}
+    Walk(const Tree& a, const Tree& b, const Tolerance& tolerance)
+        : a_(a), b_(b), at_a_(a), at_b_(b), tolerance_(tolerance) {}
 
     Tally<Coord> compare() {
         std::set<Coord> blocks;
         for (const auto* const tree : {&a_, &b_})
-            for (auto block = tree->root().cbeginChildAll(); block; ++block) blocks.insert(block.getCoord());
+            for (auto block = tree->root().cbeginChildAll(); block; ++block)
+                blocks.insert(block.getCoord());
         for (const auto& block : blocks) visit(block, 0);
         using Range = tbb::blocked_range<std::size_t>;
         constexpr std::size_t at_once = 64;
-        // The order in which sums are added up is that of the ranges, however many threads there are.
+        // The order in which sums are added up is that of the ranges, however many threads there
+        // are.
         const auto leaves = tbb::parallel_deterministic_reduce(
             Range(0, leaves_.size(), at_once), Tally<Coord>(),
             [&](const Range& range, Tally<Coord> tally) {
-                for (auto n = range.begin(); n < range.end(); ++n) compare_leaves(leaves_[n], tally);
+                for (auto n = range.begin(); n < range.end(); ++n)
+                    compare_leaves(leaves_[n], tally);
                 return tally;
             },
             [](Tally<Coord> left, const Tally<Coord>& right) { return left.join(right), left; });
@@ -155,7 +168,8 @@ private:
     void visit(const Coord& block, int level) {
         const int size = sizes[static_cast<std::size_t>(level)];
         if (std::max(at_a_.getValueDepth(block), at_b_.getValueDepth(block)) <= level) {
-            const Sample<Value> a{at_a_.getValue(block), at_a_.isValueOn(block)}, b{at_b_.getValue(block), at_b_.isValueOn(block)};
+            const Sample<Value> a{at_a_.getValue(block), at_a_.isValueOn(block)},
+                b{at_b_.getValue(block), at_b_.isValueOn(block)};
             const auto side = static_cast<std::uint64_t>(size);
             if (a.on || b.on) tiles_.see(block, side * side * side, a, b, tolerance_);
             return;
@@ -173,7 +187,9 @@ private:
         Block(const Tree& tree, const Coord& origin) : leaf_(tree.probeConstLeaf(origin)) {
             if (!leaf_) tile_ = {tree.getValue(origin), tree.isValueOn(origin)};
         }
-        Sample<Value> at(openvdb::Index offset) const { return leaf_ ? Sample<Value>{leaf_->getValue(offset), leaf_->isValueOn(offset)} : tile_; }
+        Sample<Value> at(openvdb::Index offset) const {
+            return leaf_ ? Sample<Value>{leaf_->getValue(offset), leaf_->isValueOn(offset)} : tile_;
+        }
 
     private:
         const Leaf* leaf_;
@@ -184,7 +200,8 @@ private:
         const Block a(a_, origin), b(b_, origin);
         for (openvdb::Index n = 0; n < Leaf::SIZE; ++n) {
             const auto in_a = a.at(n), in_b = b.at(n);
-            if (in_a.on || in_b.on) tally.see(Leaf::offsetToLocalCoord(n) + origin, 1, in_a, in_b, tolerance_);
+            if (in_a.on || in_b.on)
+                tally.see(Leaf::offsetToLocalCoord(n) + origin, 1, in_a, in_b, tolerance_);
         }
     }
 
@@ -206,7 +223,8 @@ PartDifference compare_voxels(const GridT& a, const GridT& b, const Tolerance& t
         out.worst->world = {world.x(), world.y(), world.z()};
     }
     if (difference(a.background(), b.background()) != 0)
-        out.faults.push_back(fmt::format("background: {} in A, {} in B", text(a.background()), text(b.background())));
+        out.faults.push_back(fmt::format("background: {} in A, {} in B", text(a.background()),
+                                         text(b.background())));
     return out;
 }
 
@@ -215,31 +233,44 @@ std::vector<openvdb::Vec3d> sound_positions(const GridBase& grid, const std::str
     return point_positions(grid);
 }
 
-const RawGrid::Bytes& bytes_of(const RawGrid& grid) { return static_cast<const RawGrid::Bytes&>(grid.constBaseTree()); }
+const RawGrid::Bytes& bytes_of(const RawGrid& grid) {
+    return static_cast<const RawGrid::Bytes&>(grid.constBaseTree());
+}
 
-PartDifference compare_values(const GridBase& a, const GridBase& b, const FilePair& paths, const Tolerance& tolerance) {
-#define FLUIDCARVE_COMPARE(GridT) \
-    if (a.isType<GridT>()) return compare_voxels(static_cast<const GridT&>(a), static_cast<const GridT&>(b), tolerance);
+PartDifference compare_values(const GridBase& a, const GridBase& b, const FilePair& paths,
+                              const Tolerance& tolerance) {
+#define FLUIDCARVE_COMPARE(GridT)                                                         \
+    if (a.isType<GridT>())                                                                \
+        return compare_voxels(static_cast<const GridT&>(a), static_cast<const GridT&>(b), \
+                              tolerance);
     FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_COMPARE)
 #undef FLUIDCARVE_COMPARE
-    if (a.isType<openvdb::points::PointDataGrid>()) return compare_positions({}, "points", sound_positions(a, paths.a), sound_positions(b, paths.b), tolerance);
+    if (a.isType<openvdb::points::PointDataGrid>())
+        return compare_positions({}, "points", sound_positions(a, paths.a),
+                                 sound_positions(b, paths.b), tolerance);
     PartDifference out;
     const auto* const raw_a = RawGrid::of(a);
     const auto* const raw_b = RawGrid::of(b);
-    if (!raw_a || !raw_b) out.faults.push_back(fmt::format("grids of type {} can't be compared", a.type()));
-    else if (bytes_of(*raw_a).topology != bytes_of(*raw_b).topology || bytes_of(*raw_a).buffers != bytes_of(*raw_b).buffers)
-        out.faults.push_back(fmt::format("other bytes, of type {}, which OpenVDB does not know", a.type()));
+    if (!raw_a || !raw_b)
+        out.faults.push_back(fmt::format("grids of type {} can't be compared", a.type()));
+    else if (bytes_of(*raw_a).topology != bytes_of(*raw_b).topology ||
+             bytes_of(*raw_a).buffers != bytes_of(*raw_b).buffers)
+        out.faults.push_back(
+            fmt::format("other bytes, of type {}, which OpenVDB does not know", a.type()));
     return out;
 }
 
 void compare_headers(const GridBase& a, const GridBase& b, std::vector<std::string>& faults) {
     if (a.transform() != b.transform()) {
         const auto in_a = place_text(a.transform()), in_b = place_text(b.transform());
-        faults.push_back(in_a == in_b ? fmt::format("transform: not the same, though both have {}", in_a)
-                                      : fmt::format("transform: {} in A; {} in B", in_a, in_b));
+        faults.push_back(in_a == in_b
+                             ? fmt::format("transform: not the same, though both have {}", in_a)
+                             : fmt::format("transform: {} in A; {} in B", in_a, in_b));
     }
     if (a.getGridClass() != b.getGridClass())
-        faults.push_back(fmt::format("class: {} in A, {} in B", GridBase::gridClassToString(a.getGridClass()), GridBase::gridClassToString(b.getGridClass())));
+        faults.push_back(fmt::format("class: {} in A, {} in B",
+                                     GridBase::gridClassToString(a.getGridClass()),
+                                     GridBase::gridClassToString(b.getGridClass())));
 }
 
 }  // namespace
@@ -250,7 +281,8 @@ double difference_of(double a, double b) {
     return std::isfinite(out) ? out : std::numeric_limits<double>::infinity();
 }
 
-PartDifference compare_grids(const std::string& name, const GridBase& a, const GridBase& b, const FilePair& paths, const Tolerance& tolerance) {
+PartDifference compare_grids(const std::string& name, const GridBase& a, const GridBase& b,
+                             const FilePair& paths, const Tolerance& tolerance) {
     PartDifference out;
     if (a.type() == b.type()) out = compare_values(a, b, paths, tolerance);
     else out.faults.push_back(fmt::format("type: {} in A, {} in B", a.valueType(), b.valueType()));
@@ -259,15 +291,18 @@ PartDifference compare_grids(const std::string& name, const GridBase& a, const G
     return out;
 }
 
-PartDifference compare_positions(const std::string& name, const std::string& values, const std::vector<openvdb::Vec3d>& a, const std::vector<openvdb::Vec3d>& b,
-                                 const Tolerance& tolerance) {
+PartDifference compare_positions(const std::string& name, const std::string& values,
+                                 const std::vector<openvdb::Vec3d>& a,
+                                 const std::vector<openvdb::Vec3d>& b, const Tolerance& tolerance) {
     Tally<std::size_t> tally;
     if (a.size() == b.size())
-        for (std::size_t n = 0; n < a.size(); ++n) tally.see<openvdb::Vec3d>(n, 1, {a[n], true}, {b[n], true}, tolerance);
+        for (std::size_t n = 0; n < a.size(); ++n)
+            tally.see<openvdb::Vec3d>(n, 1, {a[n], true}, {b[n], true}, tolerance);
     auto out = std::move(tally.sums);
     out.name = name;
     out.values = values;
-    if (a.size() != b.size()) out.faults.push_back(fmt::format("{}: {} in A, {} in B", values, a.size(), b.size()));
+    if (a.size() != b.size())
+        out.faults.push_back(fmt::format("{}: {} in A, {} in B", values, a.size(), b.size()));
     if (out.worst) {
         out.worst->index = {static_cast<std::int64_t>(tally.at)};
         out.worst->world = {a[tally.at].x(), a[tally.at].y(), a[tally.at].z()};

@@ -1,8 +1,8 @@
 #include "tools/compare/picture.h"
 
-#include "graph/text/problem.h"
-#include "nodes/field/extent.h"
-#include "nodes/grid_types.h"
+#include "carve/base/failure.h"
+#include "carve/field/extent.h"
+#include "carve/volume/grid_types.h"
 #include "nodes/preview/projection.h"
 #include "nodes/preview/sheet_page.h"
 
@@ -24,7 +24,6 @@ constexpr Colour dim{166, 170, 178};
 constexpr Canvas::Type title{20, true, bright};
 constexpr Canvas::Type heading{14, true, bright};
 constexpr Canvas::Type plain{12, false, dim};
-
 constexpr double margin = 20;
 constexpr double gap = 14;
 constexpr double header = 100;
@@ -49,17 +48,23 @@ double seen(const T& value) {
 /// B - A; of vectors, the length.
 template <class T>
 double change(const T& a, const T& b) {
-    if constexpr (openvdb::VecTraits<T>::IsVec) return (openvdb::Vec3d(b) - openvdb::Vec3d(a)).length();
+    if constexpr (openvdb::VecTraits<T>::IsVec)
+        return (openvdb::Vec3d(b) - openvdb::Vec3d(a)).length();
     else return static_cast<double>(b) - static_cast<double>(a);
 }
 
-/// Slices through a voxel. In wide slices a cell is several voxels; it shows the one that lies in it as the voxel lies in its own.
+/// Slices through a voxel. In wide slices a cell is several voxels; it shows the one that lies in
+/// it as the voxel lies in its own.
 template <class GridT>
-Slices slices_through(const GridT& a, const GridT& b, const openvdb::CoordBBox& box, const Coord& voxel, View view) {
+Slices slices_through(const GridT& a, const GridT& b, const openvdb::CoordBBox& box,
+                      const Coord& voxel, View view) {
     const auto [right, up] = picture_axes(view);
     const auto size = extents_of(box);
     int cell = 1;
-    while (std::max(size[static_cast<std::size_t>(right)], size[static_cast<std::size_t>(up)]) / cell >= most_cells) cell *= 2;
+    while (std::max(size[static_cast<std::size_t>(right)], size[static_cast<std::size_t>(up)]) /
+               cell >=
+           most_cells)
+        cell *= 2;
     Projection blank{cell, in_cells(face_of(box, view), cell), {}, Projection::Keep::greatest};
     Slices out{view, {blank, blank, blank}};
     const auto in_a = a.getConstAccessor(), in_b = b.getConstAccessor();
@@ -74,7 +79,8 @@ Slices slices_through(const GridT& a, const GridT& b, const openvdb::CoordBBox& 
             const auto &value_a = in_a.getValue(at), &value_b = in_b.getValue(at);
             out.panels[0].values.push_back(on_a ? static_cast<float>(seen(value_a)) : nothing);
             out.panels[1].values.push_back(on_b ? static_cast<float>(seen(value_b)) : nothing);
-            out.panels[2].values.push_back(on_a || on_b ? static_cast<float>(change(value_a, value_b)) : nothing);
+            out.panels[2].values.push_back(
+                on_a || on_b ? static_cast<float>(change(value_a, value_b)) : nothing);
         }
     return out;
 }
@@ -88,19 +94,24 @@ std::vector<Slices> all_slices(const GridT& a, const GridT& b, const Coord& voxe
     std::vector<Slices> out;
     for (const auto view : {View::z, View::y, View::x}) {
         const auto [right, up] = picture_axes(view);
-        if (size[static_cast<std::size_t>(right)] > 1 && size[static_cast<std::size_t>(up)] > 1) out.push_back(slices_through(a, b, box, voxel, view));
+        if (size[static_cast<std::size_t>(right)] > 1 && size[static_cast<std::size_t>(up)] > 1)
+            out.push_back(slices_through(a, b, box, voxel, view));
     }
     // A line of voxels, or one alone.
-    if (out.empty()) out.push_back(slices_through(a, b, box, voxel, size[2] > 1 ? View::y : View::z));
+    if (out.empty())
+        out.push_back(slices_through(a, b, box, voxel, size[2] > 1 ? View::y : View::z));
     return out;
 }
 
-std::vector<Slices> slices_of(const openvdb::GridBase& a, const openvdb::GridBase& b, const Coord& voxel) {
-#define FLUIDCARVE_SLICES(GridT) \
-    if (a.isType<GridT>() && b.isType<GridT>()) return all_slices(static_cast<const GridT&>(a), static_cast<const GridT&>(b), voxel);
+std::vector<Slices> slices_of(const openvdb::GridBase& a, const openvdb::GridBase& b,
+                              const Coord& voxel) {
+#define FLUIDCARVE_SLICES(GridT)                \
+    if (a.isType<GridT>() && b.isType<GridT>()) \
+        return all_slices(static_cast<const GridT&>(a), static_cast<const GridT&>(b), voxel);
     FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_SLICES)
 #undef FLUIDCARVE_SLICES
-    throw Failure(fmt::format("grid '{}' is of type {}, which can't be drawn", a.getName(), a.type()));
+    throw Failure(
+        fmt::format("grid '{}' is of type {}, which can't be drawn", a.getName(), a.type()));
 }
 
 /// The page of a difference.
@@ -112,8 +123,10 @@ public:
           voxel_(voxel),
           zoom_(zoom_of(rows_)),
           column_(std::max(least_column, widest())),
-          canvas_(static_cast<int>(2 * margin + 3 * column_ + 2 * gap), static_cast<int>(header + height() + scale_height), paper) {
-        SheetRow values{{}, {}, SheetRow::Scale::value, {}}, changes{{}, {}, SheetRow::Scale::change, {}};
+          canvas_(static_cast<int>(2 * margin + 3 * column_ + 2 * gap),
+                  static_cast<int>(header + height() + scale_height), paper) {
+        SheetRow values{{}, {}, SheetRow::Scale::value, {}},
+            changes{{}, {}, SheetRow::Scale::change, {}};
         for (const auto& row : rows_)
             for (std::size_t n = 0; n < row.panels.size(); ++n) {
                 SheetPanel panel;
@@ -130,12 +143,16 @@ public:
         canvas_.text(margin, 58, fitting("A: " + shown_.paths.a, plain, room), plain);
         canvas_.text(margin, 74, fitting("B: " + shown_.paths.b, plain, room), plain);
         constexpr std::array names{"A", "B", "B - A"};
-        for (std::size_t n = 0; n < names.size(); ++n) canvas_.text(left(n), header - 4, names[n], heading);
+        for (std::size_t n = 0; n < names.size(); ++n)
+            canvas_.text(left(n), header - 4, names[n], heading);
         double y = header;
         for (const auto& row : rows_) {
             const auto [right, up] = picture_axes(row.view);
             const auto axis = static_cast<int>(row.view);
-            canvas_.text(margin, y + 17, fmt::format("slice at {} = {}, {} to the right, {} up", "xyz"[axis], voxel_[axis], "xyz"[right], "xyz"[up]), plain);
+            canvas_.text(margin, y + 17,
+                         fmt::format("slice at {} = {}, {} to the right, {} up", "xyz"[axis],
+                                     voxel_[axis], "xyz"[right], "xyz"[up]),
+                         plain);
             y += caption;
             for (std::size_t n = 0; n < row.panels.size(); ++n) draw_panel(row, n, y);
             y += zoom_ * row.panels[0].cells.size(1);
@@ -148,7 +165,8 @@ public:
 private:
     static double zoom_of(const std::vector<Slices>& rows) {
         int side = 1;
-        for (const auto& row : rows) side = std::max({side, row.panels[0].cells.size(0), row.panels[0].cells.size(1)});
+        for (const auto& row : rows)
+            side = std::max({side, row.panels[0].cells.size(0), row.panels[0].cells.size(1)});
         return std::clamp(std::floor(wanted_side / side), 1.0, 32.0);
     }
     double widest() const {
@@ -161,7 +179,9 @@ private:
         for (const auto& row : rows_) out += caption + zoom_ * row.panels[0].cells.size(1);
         return out;
     }
-    double left(std::size_t column) const { return margin + static_cast<double>(column) * (column_ + gap); }
+    double left(std::size_t column) const {
+        return margin + static_cast<double>(column) * (column_ + gap);
+    }
 
     void draw_panel(const Slices& row, std::size_t column, double y) {
         const auto& panel = row.panels[column];
@@ -169,24 +189,34 @@ private:
         const auto& range = column < 2 ? value_range_ : change_range_;
         Picture pixels{panel.cells.size(0), panel.cells.size(1), {}};
         for (int up = panel.cells.last[1]; up >= panel.cells.first[1]; --up)
-            for (int right = panel.cells.first[0]; right <= panel.cells.last[0]; ++right) pixels.pixels.push_back(colour_of(panel.at(right, up), scale, range));
+            for (int right = panel.cells.first[0]; right <= panel.cells.last[0]; ++right)
+                pixels.pixels.push_back(colour_of(panel.at(right, up), scale, range));
         canvas_.picture({left(column), y, zoom_ * pixels.width, zoom_ * pixels.height}, pixels);
         const auto [right, up] = picture_axes(row.view);
-        const int across = floor_div(voxel_[right], panel.cell) - panel.cells.first[0], down = panel.cells.last[1] - floor_div(voxel_[up], panel.cell);
+        const int across = floor_div(voxel_[right], panel.cell) - panel.cells.first[0],
+                  down = panel.cells.last[1] - floor_div(voxel_[up], panel.cell);
         // The frame stands around the voxel and hides nothing of it.
-        canvas_.outline({left(column) + across * zoom_ - 2, y + down * zoom_ - 2, zoom_ + 4, zoom_ + 4}, bright, false);
+        canvas_.outline(
+            {left(column) + across * zoom_ - 2, y + down * zoom_ - 2, zoom_ + 4, zoom_ + 4}, bright,
+            false);
     }
 
     void draw_scale(const Canvas::Rect& rect, SheetRow::Scale scale, const ScaleRange& range) {
         Picture ramp{static_cast<int>(rect.width), 1, {}};
-        const auto value = [&](double share) { return range.low + (range.high - range.low) * share; };
+        const auto value = [&](double share) {
+            return range.low + (range.high - range.low) * share;
+        };
         for (int x = 0; x < ramp.width; ++x)
-            ramp.pixels.push_back(colour_of(static_cast<float>(value(static_cast<double>(x) / std::max(ramp.width - 1, 1))), scale, range));
+            ramp.pixels.push_back(colour_of(
+                static_cast<float>(value(static_cast<double>(x) / std::max(ramp.width - 1, 1))),
+                scale, range));
         canvas_.picture(rect, ramp);
         const double baseline = rect.y + rect.height + 15;
         canvas_.text(rect.x, baseline, fmt::format("{:.3g}", value(0)), plain);
-        canvas_.text(rect.x + rect.width / 2, baseline, fmt::format("{:.3g}", value(0.5)), plain, Canvas::Align::centre);
-        canvas_.text(rect.x + rect.width, baseline, fmt::format("{:.3g}", value(1)), plain, Canvas::Align::right);
+        canvas_.text(rect.x + rect.width / 2, baseline, fmt::format("{:.3g}", value(0.5)), plain,
+                     Canvas::Align::centre);
+        canvas_.text(rect.x + rect.width, baseline, fmt::format("{:.3g}", value(1)), plain,
+                     Canvas::Align::right);
     }
 
     std::string fitting(std::string text, const Canvas::Type& type, double width) {

@@ -1,9 +1,10 @@
 #include "tools/draft/contents.h"
 
-#include "graph/text/problem.h"
-#include "graph/text/words.h"
-#include "nodes/image/image.h"
-#include "nodes/io/picked_grid.h"
+#include "carve/base/failure.h"
+#include "carve/base/words.h"
+#include "formats/image/image.h"
+#include "formats/vdb/grid_names.h"
+#include "nodes/payload/picked_grid.h"
 
 #include <fmt/format.h>
 
@@ -26,12 +27,16 @@ constexpr double voxels_of_mesh = 96;
 
 /// The part of a list, such as a grid, of a name; null: none.
 const Facts* part_of(const Facts& list, const std::string& name) {
-    const auto found = std::ranges::find_if(list, [&](const Facts& part) { return part.at("name") == name; });
+    const auto found =
+        std::ranges::find_if(list, [&](const Facts& part) { return part.at("name") == name; });
     return found == list.end() ? nullptr : &*found;
 }
 
 openvdb::BBoxd box_of(const Facts& box) {
-    const auto corner = [&](std::size_t n) { return openvdb::Vec3d(box[n][0].get<double>(), box[n][1].get<double>(), box[n][2].get<double>()); };
+    const auto corner = [&](std::size_t n) {
+        return openvdb::Vec3d(box[n][0].get<double>(), box[n][1].get<double>(),
+                              box[n][2].get<double>());
+    };
     return {corner(0), corner(1)};
 }
 
@@ -41,7 +46,9 @@ public:
     explicit Grids(const std::vector<Facts>& files) : files_(files) {
         for (const auto& grid : files.front().at("grids")) {
             const auto name = grid.at("name").get<std::string>();
-            const auto lacking = std::ranges::find_if(files, [&](const Facts& file) { return part_of(file.at("grids"), name) == nullptr; });
+            const auto lacking = std::ranges::find_if(files, [&](const Facts& file) {
+                return part_of(file.at("grids"), name) == nullptr;
+            });
             if (lacking == files.end()) shared_.push_back(&grid);
             else lacked_.emplace_back(&grid, &*lacking);
         }
@@ -50,17 +57,21 @@ public:
     /// Why no grid suits: a frame lacks one that the first file has. Empty: none does.
     std::string lack() const {
         if (lacked_.empty()) return {};
-        const auto of_content = std::ranges::find_if(lacked_, [](const auto& each) { return each.first->at("active_voxels") != 0; });
+        const auto of_content = std::ranges::find_if(
+            lacked_, [](const auto& each) { return each.first->at("active_voxels") != 0; });
         const auto& [grid, file] = of_content == lacked_.end() ? lacked_.front() : *of_content;
         std::vector<std::string> known;
         for (const auto& each : file->at("grids")) known.push_back(each.at("name"));
         return fmt::format("{} {}", file->at("file").get<std::string>(),
-                           lacks_grid(grid->at("name"), known, fmt::format(", which {} has", files_.front().at("file").get<std::string>())));
+                           lacks_grid(grid->at("name"), known,
+                                      fmt::format(", which {} has",
+                                                  files_.front().at("file").get<std::string>())));
     }
     /// Whether a frame lacks a grid of a name that tells what it is.
     bool lacks(std::string_view word) const {
-        return std::ranges::any_of(
-            lacked_, [&](const std::pair<const Facts*, const Facts*>& each) { return in_small_letters(each.first->at("name").get<std::string>()) == word; });
+        return std::ranges::any_of(lacked_, [&](const std::pair<const Facts*, const Facts*>& each) {
+            return in_small_letters(each.first->at("name").get<std::string>()) == word;
+        });
     }
 
     /// Names of a type that every file has, content or not.
@@ -78,22 +89,33 @@ public:
         return out;
     }
 
-    const Facts& facts(const std::string& name) const { return *part_of(files_.front().at("grids"), name); }
-    bool is_level_set(const std::string& name) const { return facts(name).at("class") == "level set"; }
-    bool lie_alike(const std::string& a, const std::string& b) const { return facts(a).at("transform") == facts(b).at("transform"); }
-    double voxel(const std::string& name) const { return facts(name).at("transform").at("voxel_size")[0].get<double>(); }
+    const Facts& facts(const std::string& name) const {
+        return *part_of(files_.front().at("grids"), name);
+    }
+    bool is_level_set(const std::string& name) const {
+        return facts(name).at("class") == "level set";
+    }
+    bool lie_alike(const std::string& a, const std::string& b) const {
+        return facts(a).at("transform") == facts(b).at("transform");
+    }
+    double voxel(const std::string& name) const {
+        return facts(name).at("transform").at("voxel_size")[0].get<double>();
+    }
 
     openvdb::BBoxd box(const std::string& name) const {
         openvdb::BBoxd out;
         for (const auto& file : files_)
-            if (const auto* const grid = part_of(file.at("grids"), name); grid->contains("world_box")) out.expand(box_of(grid->at("world_box")));
+            if (const auto* const grid = part_of(file.at("grids"), name);
+                grid->contains("world_box"))
+                out.expand(box_of(grid->at("world_box")));
         return out;
     }
 
     double highest(const std::string& name) const {
         double out = 0;
         for (const auto& file : files_)
-            if (const auto* const grid = part_of(file.at("grids"), name); grid && grid->contains("range"))
+            if (const auto* const grid = part_of(file.at("grids"), name);
+                grid && grid->contains("range"))
                 for (const auto& end : grid->at("range"))
                     if (end.is_number()) out = std::max(out, std::abs(end.get<double>()));
         return out;
@@ -102,7 +124,9 @@ public:
     std::vector<openvdb::BBoxd> boxes(const std::string& name) const {
         std::vector<openvdb::BBoxd> out;
         for (const auto& file : files_)
-            if (const auto* const grid = part_of(file.at("grids"), name); grid && grid->contains("world_box")) out.push_back(box_of(grid->at("world_box")));
+            if (const auto* const grid = part_of(file.at("grids"), name);
+                grid && grid->contains("world_box"))
+                out.push_back(box_of(grid->at("world_box")));
         return out;
     }
     /// The other grids of the name and type of one.
@@ -110,7 +134,9 @@ public:
         const auto end = name.rfind('[');
         if (end == std::string::npos || !name.ends_with(']')) return {};
         auto out = filled(facts(name).at("type").get<std::string>());
-        std::erase_if(out, [&](const std::string& each) { return each == name || !each.starts_with(name.substr(0, end + 1)); });
+        std::erase_if(out, [&](const std::string& each) {
+            return each == name || !each.starts_with(name.substr(0, end + 1));
+        });
         return out;
     }
 
@@ -130,23 +156,28 @@ private:
     }
 
     const std::vector<Facts>& files_;
-    std::vector<const Facts*> shared_;                           ///< those that every file has
-    std::vector<std::pair<const Facts*, const Facts*>> lacked_;  ///< the others of the first file, each with a file that lacks it
+    std::vector<const Facts*> shared_;  ///< those that every file has
+    std::vector<std::pair<const Facts*, const Facts*>>
+        lacked_;  ///< the others of the first file, each with a file that lacks it
 };
 
 using Words = std::span<const std::string_view>;
 
-/// The first of the names that is one of the words, in the order of the words; else the first that begins with one; else empty.
+/// The first of the names that is one of the words, in the order of the words; else the first that
+/// begins with one; else empty.
 std::string named(const std::vector<std::string>& names, Words words) {
     for (const bool whole : {true, false})
         for (const auto word : words)
             for (const auto& name : names)
-                if (whole ? in_small_letters(name) == word : in_small_letters(name).starts_with(word)) return name;
+                if (whole ? in_small_letters(name) == word
+                          : in_small_letters(name).starts_with(word))
+                    return name;
     return {};
 }
 
 constexpr std::array<std::string_view, 3> flames{"flame", "fire", "burn"};
-constexpr std::array<std::string_view, 8> smokes{"density", "smoke", "soot", "dust", "cloud", "steam", "fog", "mist"};
+constexpr std::array<std::string_view, 8> smokes{"density", "smoke", "soot", "dust",
+                                                 "cloud",   "steam", "fog",  "mist"};
 constexpr std::array<std::string_view, 4> surfaces{"surface", "phi", "sdf", "liquid"};
 constexpr std::array<std::string_view, 4> velocities{"velocity", "vel", "voxel_velocity", "v"};
 
@@ -164,20 +195,26 @@ std::string velocity_beside(const Grids& grids, const std::string& name) {
     return out.empty() || !grids.lie_alike(out, name) ? std::string() : out;
 }
 
-/// Which end of the content stays in place when an axis is carved: the one that stands still over the frames while the other moves, where the
-/// source is. Upwards, if neither tells, the lower one, on which things stand; else the middle.
+/// Which end of the content stays in place when an axis is carved: the one that stands still over
+/// the frames while the other moves, where the source is. Upwards, if neither tells, the lower one,
+/// on which things stand; else the middle.
 /// @param boxes  of frames in the order of time
 /// @param up     0, 1, 2: x, y, z
-std::array<std::string, 3> sources_of(const std::vector<openvdb::BBoxd>& boxes, double voxel, int up) {
+std::array<std::string, 3> sources_of(const std::vector<openvdb::BBoxd>& boxes, double voxel,
+                                      int up) {
     std::array<std::string, 3> out;
     for (int axis = 0; axis < 3; ++axis) {
         const auto stands = [&](const auto& end_of) {
             const auto [low, high] = std::ranges::minmax(boxes, {}, end_of);
             return end_of(high) - end_of(low) < 1.5 * voxel;
         };
-        const bool low = boxes.empty() || stands([axis](const openvdb::BBoxd& box) { return box.min()[axis]; });
-        const bool high = boxes.empty() || stands([axis](const openvdb::BBoxd& box) { return box.max()[axis]; });
-        out[static_cast<std::size_t>(axis)] = low == high ? (low && axis == up ? "low" : "middle") : low ? "low" : "high";
+        const bool low =
+            boxes.empty() || stands([axis](const openvdb::BBoxd& box) { return box.min()[axis]; });
+        const bool high =
+            boxes.empty() || stands([axis](const openvdb::BBoxd& box) { return box.max()[axis]; });
+        out[static_cast<std::size_t>(axis)] = low == high ? (low && axis == up ? "low" : "middle")
+                                              : low       ? "low"
+                                                          : "high";
     }
     return out;
 }
@@ -193,10 +230,12 @@ Contents contents_of_volumes(const std::vector<Facts>& files) {
     Contents out;
     out.in_volume = true;
     out.floats = grids.all("float");
-    if (const auto& profile = files.front().at("profile"); profile.is_string()) out.profile = profile;
+    if (const auto& profile = files.front().at("profile"); profile.is_string())
+        out.profile = profile;
     out.flame = named(fogs, flames);
     out.main = named(fogs, smokes);
-    if (out.main.empty() && std::ranges::any_of(smokes, [&](std::string_view word) { return grids.lacks(word); }))
+    if (out.main.empty() &&
+        std::ranges::any_of(smokes, [&](std::string_view word) { return grids.lacks(word); }))
         throw Failure(grids.lack(), Failure::Kind::input);
     if (!out.flame.empty()) {
         out.matter = Matter::fire;
@@ -208,7 +247,8 @@ Contents contents_of_volumes(const std::vector<Facts>& files) {
         out.main = points.front();
         out.alone = grids.all("float").empty() && grids.all("vec3s").empty();
         const auto& attributes = grids.facts(out.main).at("points").at("attributes");
-        out.identified = attributes.contains("id") && attributes.at("id").get<std::string>().starts_with("int");
+        out.identified =
+            attributes.contains("id") && attributes.at("id").get<std::string>().starts_with("int");
     } else if (!level_sets.empty()) {
         out.matter = Matter::level_set;
         out.main = named(level_sets, surfaces);
@@ -218,9 +258,11 @@ Contents contents_of_volumes(const std::vector<Facts>& files) {
         out.main = out.vectors ? vectors.front() : fogs.front();
     } else {
         const auto lack = grids.lack();
-        throw Failure(lack.empty() ? fmt::format("{} holds nothing that can be carved: no particles, and no grid of floats or vectors with different values",
-                                                 files.front().at("file").get<std::string>())
-                                   : lack,
+        throw Failure(lack.empty()
+                          ? fmt::format("{} holds nothing that can be carved: no particles, and no "
+                                        "grid of floats or vectors with different values",
+                                        files.front().at("file").get<std::string>())
+                          : lack,
                       Failure::Kind::input);
     }
     out.voxel = grids.voxel(out.main);
@@ -236,11 +278,17 @@ Contents contents_of_volumes(const std::vector<Facts>& files) {
 Contents contents_of_images(const std::vector<Facts>& files) {
     Contents out;
     out.matter = Contents::Matter::image;
-    for (const auto& channel : files.front().at("channels")) out.floats.push_back(channel.at("name"));
-    if (out.floats.empty()) throw Failure(fmt::format("{} has no channels", files.front().at("file").get<std::string>()), Failure::Kind::input);
+    for (const auto& channel : files.front().at("channels"))
+        out.floats.push_back(channel.at("name"));
+    if (out.floats.empty())
+        throw Failure(
+            fmt::format("{} has no channels", files.front().at("file").get<std::string>()),
+            Failure::Kind::input);
     const auto colours = colours_of(out.floats);
     const auto green = std::ranges::find(out.floats, "G");
-    out.main = !colours.empty() ? colours[1] : green == out.floats.end() ? out.floats.front() : *green;
+    out.main = !colours.empty()            ? colours[1]
+               : green == out.floats.end() ? out.floats.front()
+                                           : *green;
     return out;
 }
 
@@ -249,18 +297,22 @@ Contents contents_of_geometry(const std::vector<Facts>& files) {
     const bool mesh = first.at("kind") == "mesh";
     const auto& counted = mesh ? first.at("faces") : first.at("points");
     if (counted == 0 || !first.contains("world_box"))
-        throw Failure(fmt::format("{} has no {}", first.at("file").get<std::string>(), mesh ? "faces" : "points"), Failure::Kind::input);
+        throw Failure(fmt::format("{} has no {}", first.at("file").get<std::string>(),
+                                  mesh ? "faces" : "points"),
+                      Failure::Kind::input);
     Contents out;
     out.matter = mesh ? Contents::Matter::mesh : Contents::Matter::particles;
     out.alone = true;
     std::vector<openvdb::BBoxd> boxes;
     for (const auto& file : files)
-        if (file.contains("world_box")) out.box.expand(boxes.emplace_back(box_of(file.at("world_box"))));
+        if (file.contains("world_box"))
+            out.box.expand(boxes.emplace_back(box_of(file.at("world_box"))));
     const auto size = out.box.extents();
     const auto longest = std::max({size.x(), size.y(), size.z()});
     // In liquids, particles are about half a voxel apart.
     const auto apart =
-        std::cbrt(std::max(size.x(), longest / 100) * std::max(size.y(), longest / 100) * std::max(size.z(), longest / 100) / counted.get<double>());
+        std::cbrt(std::max(size.x(), longest / 100) * std::max(size.y(), longest / 100) *
+                  std::max(size.z(), longest / 100) / counted.get<double>());
     out.voxel = mesh ? longest / voxels_of_mesh : std::max(2 * apart, longest / 500);
     if (!mesh) out.identified = part_of(first.at("attributes"), "id") != nullptr;
     out.source = sources_of(boxes, out.voxel, 2);
@@ -274,8 +326,10 @@ Contents contents_of(const std::vector<Facts>& facts) {
     if (kind == "volume") return contents_of_volumes(facts);
     if (kind == "image") return contents_of_images(facts);
     if (kind == "mesh" || kind == "points") return contents_of_geometry(facts);
-    throw Failure(fmt::format("{} is a {}: rig.curve takes it for a lattice, but it holds nothing to carve", facts.front().at("file").get<std::string>(), kind),
-                  Failure::Kind::input);
+    throw Failure(
+        fmt::format("{} is a {}: rig.curve takes it for a lattice, but it holds nothing to carve",
+                    facts.front().at("file").get<std::string>(), kind),
+        Failure::Kind::input);
 }
 
 }  // namespace fluidcarve

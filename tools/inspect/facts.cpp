@@ -27,12 +27,16 @@ std::string count_text(const Json& count) {
 }
 
 std::string world_text(const Json& box) {
-    const auto corner = [](const Json& at) { return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", at[0].get<double>(), at[1].get<double>(), at[2].get<double>()); };
+    const auto corner = [](const Json& at) {
+        return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", at[0].get<double>(), at[1].get<double>(),
+                           at[2].get<double>());
+    };
     return fmt::format("{} to {}", corner(box[0]), corner(box[1]));
 }
 
 std::string range_text(const Json& range) {
-    if (range[0].is_number_integer()) return fmt::format("{} to {}", range[0].get<std::int64_t>(), range[1].get<std::int64_t>());
+    if (range[0].is_number_integer())
+        return fmt::format("{} to {}", range[0].get<std::int64_t>(), range[1].get<std::int64_t>());
     return fmt::format("{:g} to {:g}", range[0].get<double>(), range[1].get<double>());
 }
 

@@ -1,11 +1,13 @@
 #include "tools/inspect/geometry.h"
 
-#include "graph/text/one_line.h"
-#include "graph/text/problem.h"
-#include "graph/text/words.h"
-#include "nodes/mesh/mesh_file.h"
-#include "nodes/points/file.h"
-#include "nodes/rig/curve_file.h"
+#include "carve/base/failure.h"
+#include "carve/base/one_line.h"
+#include "carve/base/words.h"
+#include "formats/geometry_file/curve_file.h"
+#include "formats/geometry_file/ply.h"
+#include "formats/mesh_file/mesh_file.h"
+#include "formats/points_file/file.h"
+#include "formats/points_file/ply.h"
 #include "tools/inspect/facts.h"
 
 #include <fmt/format.h>
@@ -20,7 +22,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// The facts that all kinds have. @param positions  in the file's units
-Json geometry_json(const std::string& path, const char* kind, std::span<const openvdb::Vec3d> positions) {
+Json geometry_json(const std::string& path, const char* kind,
+                   std::span<const openvdb::Vec3d> positions) {
     Json out{{"file", path}, {"kind", kind}, {"bytes", std::filesystem::file_size(path)}};
     if (!positions.empty()) out["world_box"] = box_around(positions);
     out["attributes"] = Json::array();
@@ -34,9 +37,10 @@ Json mesh_json(const std::string& path, const MeshFile& file) {
     out["vertices"] = file.mesh.points.size();
     out["faces"] = file.mesh.faces();
     for (const auto& each : file.mesh.attributes)
-        out["attributes"].push_back({{"name", one_line(each.name)},
-                                     {"type", fmt::format("{} x {}", each.parts.size(), name_of(each.type))},
-                                     {"on", on.at(static_cast<std::size_t>(each.on))}});
+        out["attributes"].push_back(
+            {{"name", one_line(each.name)},
+             {"type", fmt::format("{} x {}", each.parts.size(), name_of(each.type))},
+             {"on", on.at(static_cast<std::size_t>(each.on))}});
     for (const auto& loss : file.losses) out["oddities"].push_back(one_line(loss));
     if (file.mesh.faces() == 0) out["oddities"].push_back("it has no faces");
     return out;
@@ -48,7 +52,8 @@ Json points_json(const std::string& path) {
     out["points"] = points.size();
     for (const auto& column : points.ply->columns)
         if (column.name != "x" && column.name != "y" && column.name != "z")
-            out["attributes"].push_back({{"name", one_line(column.name)}, {"type", name_of(column.type)}});
+            out["attributes"].push_back(
+                {{"name", one_line(column.name)}, {"type", name_of(column.type)}});
     if (points.size() == 0) out["oddities"].push_back("no points");
     return out;
 }
@@ -79,20 +84,28 @@ Json look_at_geometry(const std::string& path) {
 
 std::string geometry_text(const Json& file) {
     const auto kind = file["kind"].get<std::string>();
-    auto out = fmt::format("{}: {} bytes, ", file["file"].get<std::string>(), count_text(file["bytes"]));
-    if (kind == "mesh") out += fmt::format("a mesh of {} vertices and {} faces", count_text(file["vertices"]), count_text(file["faces"]));
+    auto out =
+        fmt::format("{}: {} bytes, ", file["file"].get<std::string>(), count_text(file["bytes"]));
+    if (kind == "mesh")
+        out += fmt::format("a mesh of {} vertices and {} faces", count_text(file["vertices"]),
+                           count_text(file["faces"]));
     else if (kind == "points") out += fmt::format("{} points", count_text(file["points"]));
     else
-        out += fmt::format("{} curve of {} points, {} long", file["closed"].get<bool>() ? "a closed" : "an open", count_text(file["points"]),
-                           file["length"].is_array() ? range_text(file["length"]) : fmt::format("{:g}", file["length"].get<double>()));
+        out += fmt::format(
+            "{} curve of {} points, {} long", file["closed"].get<bool>() ? "a closed" : "an open",
+            count_text(file["points"]),
+            file["length"].is_array() ? range_text(file["length"])
+                                      : fmt::format("{:g}", file["length"].get<double>()));
     if (file.contains("world_box")) out += ", world " + world_text(file["world_box"]);
     out += "\n";
     for (const auto& attribute : file["attributes"]) {
-        out += fmt::format("  {}  {}", attribute["name"].get<std::string>(), attribute["type"].get<std::string>());
+        out += fmt::format("  {}  {}", attribute["name"].get<std::string>(),
+                           attribute["type"].get<std::string>());
         if (attribute.contains("on")) out += ", on " + attribute["on"].get<std::string>();
         out += "\n";
     }
-    for (const auto& oddity : file["oddities"]) out += "  note: " + oddity.get<std::string>() + "\n";
+    for (const auto& oddity : file["oddities"])
+        out += "  note: " + oddity.get<std::string>() + "\n";
     return out;
 }
 

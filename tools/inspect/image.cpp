@@ -1,8 +1,8 @@
 #include "tools/inspect/image.h"
 
-#include "graph/text/one_line.h"
-#include "graph/types/module.h"
-#include "nodes/image/image.h"
+#include "carve/base/one_line.h"
+#include "formats/file/module.h"
+#include "formats/image/image.h"
 #include "tools/inspect/facts.h"
 
 #include <fmt/format.h>
@@ -20,9 +20,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// First and last pixel, y down as in files.
-Json window_json(const Image::Window& window) { return {{window.x, window.y}, {window.x + window.width - 1, window.y + window.height - 1}}; }
+Json window_json(const Image::Window& window) {
+    return {{window.x, window.y}, {window.x + window.width - 1, window.y + window.height - 1}};
+}
 
-/// The least and the greatest value of a channel of whole numbers of 32 bits, whose pixels are their bits.
+/// The least and the greatest value of a channel of whole numbers of 32 bits, whose pixels are
+/// their bits.
 template <class Number>
 Json range_of_bits(const Image& image, std::size_t channel) {
     Number low = std::numeric_limits<Number>::max(), high = std::numeric_limits<Number>::min();
@@ -34,10 +37,12 @@ Json range_of_bits(const Image& image, std::size_t channel) {
 }
 
 Json channel_json(const Image& image, std::size_t channel, std::vector<std::string>& oddities) {
-    Json out{{"name", one_line(image.channels[channel].name)}, {"depth", image.channels[channel].depth}};
+    Json out{{"name", one_line(image.channels[channel].name)},
+             {"depth", image.channels[channel].depth}};
     const auto& depth = image.channels[channel].depth;
     if (depth == "uint" || depth == "int") {
-        out["range"] = depth == "uint" ? range_of_bits<std::uint32_t>(image, channel) : range_of_bits<std::int32_t>(image, channel);
+        out["range"] = depth == "uint" ? range_of_bits<std::uint32_t>(image, channel)
+                                       : range_of_bits<std::int32_t>(image, channel);
         return out;
     }
     float low = std::numeric_limits<float>::infinity(), high = -low;
@@ -50,7 +55,8 @@ Json channel_json(const Image& image, std::size_t channel, std::vector<std::stri
     if (low <= high) out["range"] = {low, high};
     if (not_finite > 0) {
         out["not_finite"] = not_finite;
-        oddities.push_back(fmt::format("{}: {} values are not finite: energies refuse them", out["name"].get<std::string>(), not_finite));
+        oddities.push_back(fmt::format("{}: {} values are not finite: energies refuse them",
+                                       out["name"].get<std::string>(), not_finite));
     }
     return out;
 }
@@ -68,41 +74,56 @@ Json look_at_image(const std::string& path) {
              {"data_window", window_json(image.data)},
              {"display_window", window_json(image.display)}};
     out["channels"] = Json::array();
-    for (std::size_t channel = 0; channel < image.channels.size(); ++channel) out["channels"].push_back(channel_json(image, channel, oddities));
+    for (std::size_t channel = 0; channel < image.channels.size(); ++channel)
+        out["channels"].push_back(channel_json(image, channel, oddities));
     if (image.data != image.display)
-        oddities.push_back("the stored pixels are not those of the display window: see `data_window` and `display_window` of --json");
-    if (image.more > 0) oddities.push_back(fmt::format("it holds {} images; only the first is read", image.more + 1));
+        oddities.push_back(
+            "the stored pixels are not those of the display window: see `data_window` and "
+            "`display_window` of --json");
+    if (image.more > 0)
+        oddities.push_back(
+            fmt::format("it holds {} images; only the first is read", image.more + 1));
     out["oddities"] = oddities;
     return out;
 }
 
-std::string size_of_image(const Json& file) { return fmt::format("{} x {} pixels", count_text(file["width"]), count_text(file["height"])); }
+std::string size_of_image(const Json& file) {
+    return fmt::format("{} x {} pixels", count_text(file["width"]), count_text(file["height"]));
+}
 
 /// Finds the first image of another size than the first one.
 std::vector<std::string> compare_images(const std::vector<Json>& files) {
     for (const auto& file : files)
         if (size_of_image(file) != size_of_image(files.front()))
-            return {fmt::format("{} in {}, but {} in {}: if these are frames of one sequence, no lattice fits", size_of_image(files.front()),
-                                files.front()["file"].get<std::string>(), size_of_image(file), file["file"].get<std::string>())};
+            return {fmt::format(
+                "{} in {}, but {} in {}: if these are frames of one sequence, no lattice fits",
+                size_of_image(files.front()), files.front()["file"].get<std::string>(),
+                size_of_image(file), file["file"].get<std::string>())};
     return {};
 }
 
 std::string image_text(const Json& file) {
-    auto out = fmt::format("{}: {} bytes, {}, {}\n", file["file"].get<std::string>(), count_text(file["bytes"]), file["format"].get<std::string>(),
+    auto out = fmt::format("{}: {} bytes, {}, {}\n", file["file"].get<std::string>(),
+                           count_text(file["bytes"]), file["format"].get<std::string>(),
                            size_of_image(file));
     std::size_t widest = 4;
-    for (const auto& channel : file["channels"]) widest = std::max(widest, channel["name"].get<std::string>().size());
+    for (const auto& channel : file["channels"])
+        widest = std::max(widest, channel["name"].get<std::string>().size());
     for (const auto& channel : file["channels"]) {
-        out += fmt::format("  {:<{}}  {}", channel["name"].get<std::string>(), widest, channel["depth"].get<std::string>());
+        out += fmt::format("  {:<{}}  {}", channel["name"].get<std::string>(), widest,
+                           channel["depth"].get<std::string>());
         if (channel.contains("range")) out += ", " + range_text(channel["range"]);
         out += "\n";
     }
-    for (const auto& oddity : file["oddities"]) out += "  note: " + oddity.get<std::string>() + "\n";
+    for (const auto& oddity : file["oddities"])
+        out += "  note: " + oddity.get<std::string>() + "\n";
     return out;
 }
 
 }  // namespace
 
-FileInspector image_inspector() { return {all_image_endings(), {}, "channels", &look_at_image, &compare_images, &image_text}; }
+FileInspector image_inspector() {
+    return {all_image_endings(), {}, "channels", &look_at_image, &compare_images, &image_text};
+}
 
 }  // namespace fluidcarve

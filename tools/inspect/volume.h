@@ -4,7 +4,8 @@
 
 namespace fluidcarve {
 
-/// Inspector for .vdb files: grids, types, transforms, boxes, ranges and oddities. Reads the whole file.
+/// Inspector for .vdb files: grids, types, transforms, boxes, ranges and oddities. Reads the whole
+/// file.
 FileInspector vdb_inspector();
 
 }  // namespace fluidcarve

@@ -1,7 +1,8 @@
 #include "tools/verbs/arguments.h"
 
-#include "graph/confinement.h"
-#include "graph/text/one_line.h"
+#include "carve/base/frame_set.h"
+#include "carve/base/one_line.h"
+#include "formats/file/confinement.h"
 #include "graph/types/frame_files.h"
 #include "graph/views/provenance.h"
 #include "runtime/keep/work_folder.h"
@@ -31,7 +32,10 @@ void complain(const std::string& text) {
     put(text, stderr);
 }
 
-std::uint64_t half_of_memory() { return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) / 2; }
+std::uint64_t half_of_memory() {
+    return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
+           static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) / 2;
+}
 
 namespace {
 
@@ -41,10 +45,12 @@ std::optional<std::uint64_t> parse_size(const std::string& text) {
     const double number = std::strtod(text.c_str(), &end);
     std::string unit(end);
     std::erase(unit, ' ');
-    static const std::map<std::string, double> units{{"", 0},    {"B", 0}, {"K", 1},  {"KB", 1},  {"KiB", 1}, {"M", 2},  {"MB", 2},
-                                                     {"MiB", 2}, {"G", 3}, {"GB", 3}, {"GiB", 3}, {"T", 4},   {"TB", 4}, {"TiB", 4}};
+    static const std::map<std::string, double> units{
+        {"", 0},    {"B", 0}, {"K", 1},  {"KB", 1},  {"KiB", 1}, {"M", 2},  {"MB", 2},
+        {"MiB", 2}, {"G", 3}, {"GB", 3}, {"GiB", 3}, {"T", 4},   {"TB", 4}, {"TiB", 4}};
     const auto found = units.find(unit);
-    if (end == text.c_str() || found == units.end() || !(number > 0) || number > 1e15) return std::nullopt;
+    if (end == text.c_str() || found == units.end() || !(number > 0) || number > 1e15)
+        return std::nullopt;
     return static_cast<std::uint64_t>(number * std::pow(1024.0, found->second));
 }
 
@@ -52,32 +58,40 @@ std::optional<std::uint64_t> parse_size(const std::string& text) {
 std::string fault_of_task(const std::string& task) {
     const auto plain = [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_'; };
     const auto slash = task.find('/');
-    const auto good = slash != std::string::npos && slash > 0 && slash + 1 < task.size() &&
-                      std::all_of(task.begin(), task.begin() + static_cast<std::ptrdiff_t>(slash), plain) &&
-                      std::all_of(task.begin() + static_cast<std::ptrdiff_t>(slash) + 1, task.end(), plain);
+    const auto good =
+        slash != std::string::npos && slash > 0 && slash + 1 < task.size() &&
+        std::all_of(task.begin(), task.begin() + static_cast<std::ptrdiff_t>(slash), plain) &&
+        std::all_of(task.begin() + static_cast<std::ptrdiff_t>(slash) + 1, task.end(), plain);
     return good ? "" : "must be JOB/STEP, each of letters, digits, - and _";
 }
 
 /// A path with a name before its ending: "out/shot.seams.json".
 std::string with_name(const std::string& path, const std::string& name) {
     const std::filesystem::path whole(path);
-    return (whole.parent_path() / (whole.stem().string() + "." + name + whole.extension().string())).string();
+    return (whole.parent_path() / (whole.stem().string() + "." + name + whole.extension().string()))
+        .string();
 }
 
 }  // namespace
 
 void PipelineArguments::declare(CLI::App& verb) {
     verb.add_option("pipeline", path,
-                    "Pipeline file (YAML). Its relative inputs are looked for in the folder of the file that states them, then in the current folder; "
+                    "Pipeline file (YAML). Its relative inputs are looked for in the folder of the "
+                    "file that states them, then in the current folder; "
                     "those of --set in the current folder. Its outputs go to the current folder")
         ->required()
         ->type_name("PIPELINE");
-    verb.add_option("--set", settings, "Override a field of a node, a param, or the frames; may be repeated")
+    verb.add_option("--set", settings,
+                    "Override a field of a node, a param, or the frames; may be repeated")
         ->type_name("NODE.FIELD=VALUE|PARAM=VALUE|frames=VALUE")
         ->expected(1)
         ->take_all();
-    verb.add_flag("--allow-plugins", allow_plugins, "Load the plugins and run the scripts that the pipeline names; their code runs with all your rights");
-    verb.add_option("--confine", folders, "Let the pipeline read and write in this folder only; may be repeated, for several folders")
+    verb.add_flag("--allow-plugins", allow_plugins,
+                  "Load the plugins and run the scripts that the pipeline names; their code runs "
+                  "with all your rights");
+    verb.add_option("--confine", folders,
+                    "Let the pipeline read and write in this folder only; may be repeated, for "
+                    "several folders")
         ->type_name("DIR")
         ->expected(1)
         ->take_all();
@@ -91,10 +105,12 @@ std::vector<std::string> PipelineArguments::words() const {
     return out;
 }
 
-Pipeline PipelineArguments::build(const Document& document, Registry& registry, Problems& problems) const {
+Pipeline PipelineArguments::build(const Document& document, Registry& registry,
+                                  Problems& problems) const {
     PluginFiles files;
     const auto before = problems.size();
-    load_plugins(document.plugins, {allow_plugins, trusted_plugin_folders()}, registry, files, problems);
+    load_plugins(document.plugins, {allow_plugins, trusted_plugin_folders()}, registry, files,
+                 problems);
     // Nodes can't be checked without the types of all plugins.
     if (problems.size() > before) return {};
     auto pipeline = build_pipeline(document, registry, problems);
@@ -113,70 +129,108 @@ std::optional<Pipeline> PipelineArguments::read_or_complain(Registry& registry) 
 }
 
 void RunArguments::declare(CLI::App& verb) {
-    frames_option = verb.add_option("-f,--frames", frames, "Deliver only these frames of the sequence (1001-1010,1020)")->type_name("FRAMES");
+    frames_option = verb.add_option("-f,--frames", frames,
+                                    "Deliver only these frames of the sequence (1001-1010,1020)")
+                        ->type_name("FRAMES");
     auto* const to = verb.add_option("--to", request.wish.to,
-                                     "Run only this node and the nodes that it needs, or several, with commas; NODE.INPUT of a solver: only extract its data "
+                                     "Run only this node and the nodes that it needs, or several, "
+                                     "with commas; NODE.INPUT of a solver: only extract its data "
                                      "from each frame")
                          ->type_name("NODE");
-    auto* const from = verb.add_option("--from", request.wish.from, "Deliver only results that depend on this node")->type_name("NODE");
-    verb.add_option("--only", only, "Run this node alone; the cached results that it needs must already be in the work folder")
+    auto* const from = verb.add_option("--from", request.wish.from,
+                                       "Deliver only results that depend on this node")
+                           ->type_name("NODE");
+    verb.add_option("--only", only,
+                    "Run this node alone; the cached results that it needs must already be in the "
+                    "work folder")
         ->type_name("NODE")
         ->excludes(to)
         ->excludes(from);
-    verb.add_option("--missing", missing, "Whether `frames: auto` fails where numbers are missing between frames, or says nothing of it (default: a warning)")
+    verb.add_option("--missing", missing,
+                    "Whether `frames: auto` fails where numbers are missing between frames, or "
+                    "says nothing of it (default: a warning)")
         ->check(CLI::IsMember({"error", "skip"}))
         ->type_name("error|skip");
     declare_limits(verb);
-    verb.add_option("--report", request.report_path, "Write a report of the run")->type_name("FILE.json");
-    verb.add_option("--html", request.html_path, "Write a report of the run as a page: pictures, times, seams, the origin of each value")
+    verb.add_option("--report", request.report_path, "Write a report of the run")
+        ->type_name("FILE.json");
+    verb.add_option(
+            "--html", request.html_path,
+            "Write a report of the run as a page: pictures, times, seams, the origin of each value")
         ->type_name("FILE.html");
-    verb.add_option("--profile", request.profile_path, "Write a trace for chrome://tracing or Perfetto: when each node ran, and on which thread")
+    verb.add_option("--profile", request.profile_path,
+                    "Write a trace for chrome://tracing or Perfetto: when each node ran, and on "
+                    "which thread")
         ->type_name("FILE.json");
     verb.add_option("--manifest", request.manifest_path,
-                    "Compare each input file with its hash in this file before it is read, and add the files that it does not list")
+                    "Compare each input file with its hash in this file before it is read, and add "
+                    "the files that it does not list")
         ->type_name("FILE");
     verb.add_option("--wait", request.wait,
-                    "Seconds to wait for results of other runs in the work folder, such as a farm's earlier steps; fail if they do not come")
+                    "Seconds to wait for results of other runs in the work folder, such as a "
+                    "farm's earlier steps; fail if they do not come")
         ->check(CLI::NonNegativeNumber)
         ->type_name("SECONDS");
-    verb.add_option("--task", request.task, "Record this run as a task of a farm's job, and put its name into those of --report, --html and --profile")
+    verb.add_option("--task", request.task,
+                    "Record this run as a task of a farm's job, and put its name into those of "
+                    "--report, --html and --profile")
         ->type_name("JOB/STEP");
-    verb.add_flag("--sync", request.options.sync, "Wait until each written file is on the disk, so that it is whole or absent after a power cut, too");
-    verb.add_flag("--keep-going", request.options.keep_going, "Run the other frames when one fails");
+    verb.add_flag("--sync", request.options.sync,
+                  "Wait until each written file is on the disk, so that it is whole or absent "
+                  "after a power cut, too");
+    verb.add_flag("--keep-going", request.options.keep_going,
+                  "Run the other frames when one fails");
 }
 
 void RunArguments::declare_limits(CLI::App& verb) {
-    threads_option = verb.add_option("--threads", threads, "Threads")->check(CLI::Range(1, 4096))->capture_default_str()->envname("FLUIDCARVE_THREADS");
-    verb.add_option("--in-flight", in_flight, "Frames in memory at once (default: threads + 1)")->check(CLI::Range(1, 100000));
+    threads_option = verb.add_option("--threads", threads, "Threads")
+                         ->check(CLI::Range(1, 4096))
+                         ->capture_default_str()
+                         ->envname("FLUIDCARVE_THREADS");
+    verb.add_option("--in-flight", in_flight, "Frames in memory at once (default: threads + 1)")
+        ->check(CLI::Range(1, 100000));
     verb.add_option("--memory", memory,
-                    "Memory that a node may use for the whole sequence before it uses files, and that a grid may take (default: half of the machine's memory)")
+                    "Memory that a node may use for the whole sequence before it uses files, and "
+                    "that a grid may take (default: half of the machine's memory)")
         ->type_name("SIZE")
         ->envname("FLUIDCARVE_MEMORY");
-    verb.add_option("--work", request.options.work_folder, "Folder for temporary files, and for cached results that later runs use again")
+    verb.add_option("--work", request.options.work_folder,
+                    "Folder for temporary files, and for cached results that later runs use again")
         ->capture_default_str()
         ->type_name("DIR")
         ->envname("FLUIDCARVE_WORK");
-    verb.add_flag("--no-cache", no_cache, "Neither read nor write cached results in the work folder")->envname("FLUIDCARVE_NO_CACHE");
-    verb.add_option("--cache-size", cache_size, "Size of the cached results that remain after a run; the least recently used are removed (default: 50G)")
+    verb.add_flag("--no-cache", no_cache,
+                  "Neither read nor write cached results in the work folder")
+        ->envname("FLUIDCARVE_NO_CACHE");
+    verb.add_option("--cache-size", cache_size,
+                    "Size of the cached results that remain after a run; the least recently used "
+                    "are removed (default: 50G)")
         ->type_name("SIZE")
         ->envname("FLUIDCARVE_CACHE_SIZE");
     verb.add_option("--progress", progress, "How to show progress")
         ->check(CLI::IsMember({"auto", "bar", "json", "plain", "openjd", "none"}))
         ->capture_default_str();
     const auto quiet = verb.add_flag("-q,--quiet", request.quiet, "Print failures only");
-    verb.add_flag("-v,--verbose", request.verbose, "Show the plan, where the files lie, and the time of each node")->excludes(quiet);
+    verb.add_flag("-v,--verbose", request.verbose,
+                  "Show the plan, where the files lie, and the time of each node")
+        ->excludes(quiet);
 }
 
 std::vector<std::string> RunArguments::words() const {
-    std::vector<std::string> out{"--work", request.options.work_folder, "--threads", std::to_string(threads), "--progress", progress};
+    std::vector<std::string> out{"--work",     request.options.work_folder,
+                                 "--threads",  std::to_string(threads),
+                                 "--progress", progress};
     if (in_flight > 0) out.insert(out.end(), {"--in-flight", std::to_string(in_flight)});
     for (const auto& [option, value] :
-         {std::pair("--memory", memory), std::pair("--cache-size", cache_size), std::pair("--report", request.report_path),
-          std::pair("--html", request.html_path), std::pair("--profile", request.profile_path), std::pair("--manifest", request.manifest_path)})
+         {std::pair("--memory", memory), std::pair("--cache-size", cache_size),
+          std::pair("--report", request.report_path), std::pair("--html", request.html_path),
+          std::pair("--profile", request.profile_path),
+          std::pair("--manifest", request.manifest_path)})
         if (!value.empty()) out.insert(out.end(), {option, value});
     if (request.wait) out.insert(out.end(), {"--wait", fmt::format("{}", *request.wait)});
     for (const auto& [option, on] :
-         {std::pair("--no-cache", no_cache), std::pair("--sync", request.options.sync), std::pair("--keep-going", request.options.keep_going),
+         {std::pair("--no-cache", no_cache), std::pair("--sync", request.options.sync),
+          std::pair("--keep-going", request.options.keep_going),
           std::pair("--quiet", request.quiet), std::pair("--verbose", request.verbose)})
         if (on) out.emplace_back(option);
     return out;
@@ -192,77 +246,110 @@ std::optional<RunRequest> RunArguments::read(const Pipeline& pipeline) {
     request.options.memory = half_of_memory();
     if (!memory.empty()) {
         const auto size = parse_size(memory);
-        if (!size) return wrong(fmt::format("--memory must be a size such as 8G, not '{}'", memory));
+        if (!size)
+            return wrong(fmt::format("--memory must be a size such as 8G, not '{}'", memory));
         request.options.memory = *size;
     }
     if (frames_option && frames_option->count() > 0) {
         std::string fault;
         request.deliver = FrameSet::parse(frames, fault);
         if (!request.deliver) return wrong("-f: " + fault);
-        if (const auto note = staggered_note(frames); !note.empty() && !request.quiet) complain("warning: -f: " + note + "\n");
+        if (const auto note = staggered_note(frames); !note.empty() && !request.quiet)
+            complain("warning: -f: " + note + "\n");
         std::vector<int> outside;
         for (const auto frame : request.deliver->frames())
             if (!pipeline.frames.contains(frame)) outside.push_back(frame);
-        if (!outside.empty()) return wrong(fmt::format("-f: {} is not in the sequence {}", FrameSet(outside).text(), pipeline.frames.text()));
+        if (!outside.empty())
+            return wrong(fmt::format("-f: {} is not in the sequence {}", FrameSet(outside).text(),
+                                     pipeline.frames.text()));
     }
     if (missing == "error" && !pipeline.holes.empty()) return wrong(pipeline.holes);
     if (!request.quiet) {
-        if (missing.empty() && !pipeline.holes.empty()) complain("warning: " + pipeline.holes + "\n");
+        if (missing.empty() && !pipeline.holes.empty())
+            complain("warning: " + pipeline.holes + "\n");
         for (const auto& note : pipeline.notes) complain("warning: " + note + "\n");
     }
     request.options.cache = !no_cache;
     if (const auto refusal = WorkFolder(request.options.work_folder).refusal(); !refusal.empty())
         return wrong(fmt::format("--work: {} {}", request.options.work_folder, refusal));
-    if (const auto fault = WorkFolder(request.options.work_folder).link_fault(); !no_cache && !fault.empty()) return wrong("--work: " + fault);
+    if (const auto fault = WorkFolder(request.options.work_folder).link_fault();
+        !no_cache && !fault.empty())
+        return wrong("--work: " + fault);
     if (!cache_size.empty()) {
         const auto size = parse_size(cache_size);
-        if (!size) return wrong(fmt::format("--cache-size must be a size such as 50G, not '{}'", cache_size));
+        if (!size)
+            return wrong(
+                fmt::format("--cache-size must be a size such as 50G, not '{}'", cache_size));
         request.options.cache_size = *size;
         // A size says that files may go: only from a folder that is ours.
-        if (const auto fault = WorkFolder(request.options.work_folder).fault(); !fault.empty()) return wrong("--cache-size: " + fault);
+        if (const auto fault = WorkFolder(request.options.work_folder).fault(); !fault.empty())
+            return wrong("--cache-size: " + fault);
     }
     request.wish.only = !only.empty();
     if (request.wish.only) request.wish.to = only;
     if (const auto fault = fault_of(request.wish, pipeline); !fault.empty()) return wrong(fault);
     if (!request.task.empty()) {
-        if (const auto fault = fault_of_task(request.task); !fault.empty()) return wrong("--task " + request.task + ": " + fault);
-        const auto name = task_name(request.task.substr(request.task.find('/') + 1), request.deliver);
+        if (const auto fault = fault_of_task(request.task); !fault.empty())
+            return wrong("--task " + request.task + ": " + fault);
+        const auto name =
+            task_name(request.task.substr(request.task.find('/') + 1), request.deliver);
         for (auto* const path : {&request.report_path, &request.html_path, &request.profile_path})
             if (!path->empty()) *path = with_name(*path, name);
     }
     std::map<std::filesystem::path, const char*> own;
-    for (const auto& [option, path] : {std::pair("--report", request.report_path), std::pair("--html", request.html_path),
-                                       std::pair("--profile", request.profile_path), std::pair("--manifest", request.manifest_path)}) {
+    for (const auto& [option, path] :
+         {std::pair("--report", request.report_path), std::pair("--html", request.html_path),
+          std::pair("--profile", request.profile_path),
+          std::pair("--manifest", request.manifest_path)}) {
         if (path.empty()) continue;
-        if (const auto refusal = Confinement::of_program().refusal(path); !refusal.empty()) return wrong(fmt::format("{}: {} {}", option, path, refusal));
-        if (const auto user = user_of(pipeline, path); !user.empty()) return wrong(fmt::format("{} would overwrite {}: {}", option, path, user));
+        if (const auto refusal = Confinement::of_program().refusal(path); !refusal.empty())
+            return wrong(fmt::format("{}: {} {}", option, path, refusal));
+        if (const auto user = user_of(pipeline, path); !user.empty())
+            return wrong(fmt::format("{} would overwrite {}: {}", option, path, user));
         std::error_code unknown;  // what a descriptor leads to may have no path
         auto place = std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown);
-        const auto [other, fresh] = own.emplace(unknown ? std::filesystem::path(path) : std::move(place), option);
-        if (!fresh) return wrong(fmt::format("{} and {} name the same file: {}", other->second, option, path));
+        const auto [other, fresh] =
+            own.emplace(unknown ? std::filesystem::path(path) : std::move(place), option);
+        if (!fresh)
+            return wrong(
+                fmt::format("{} and {} name the same file: {}", other->second, option, path));
     }
     const bool terminal = coloured_terminal();
-    request.progress = progress == "none" || request.quiet                     ? ProgressStyle::none
-                       : progress == "plain"                                   ? ProgressStyle::plain
-                       : progress == "openjd"                                  ? ProgressStyle::openjd
+    request.progress = progress == "none" || request.quiet ? ProgressStyle::none
+                       : progress == "plain"               ? ProgressStyle::plain
+                       : progress == "openjd"              ? ProgressStyle::openjd
                        : progress == "bar" || (progress == "auto" && terminal) ? ProgressStyle::bar
                        : progress == "json"                                    ? ProgressStyle::json
-                                                                               : ProgressStyle::plain;
+                                            : ProgressStyle::plain;
     return request;
 }
 
 void DiffArguments::declare(CLI::App& verb) {
     request.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-    const auto number = [&](const char* name, double& value, const char* doc) { verb.add_option(name, value, doc)->check(CLI::NonNegativeNumber); };
+    const auto number = [&](const char* name, double& value, const char* doc) {
+        verb.add_option(name, value, doc)->check(CLI::NonNegativeNumber);
+    };
     for (const auto& [name, path] : {std::pair("a", &request.a), std::pair("b", &request.b)})
-        verb.add_option(name, *path, "A file, a sequence such as smoke.####.vdb, or a folder")->required()->type_name(name[0] == 'a' ? "A" : "B");
-    frames_option = verb.add_option("-f,--frames", frames, "Compare only these frames (default: all that are there)")->type_name("FRAMES");
-    number("--fail", request.tolerance.absolute, "The difference of two values that still passes (default: 0)");
-    number("--relative", request.tolerance.relative, "The same, as a share of the greater value; the greater of both allowances counts (default: 0)");
-    number("--fail-percent", request.fail_percent, "The percentage of a grid's voxels in a frame that may differ by more (default: 0)");
-    number("--warn", request.tolerance.warn, "Count the values that differ by more than this, at most --fail, and warn of them");
-    verb.add_option("--picture", request.picture, "Draw slices of A, B and their difference through the voxel that differs most")->type_name("FILE.png");
-    verb.add_option("--threads", request.threads, "Threads, and frames compared at once (default: all cores)")
+        verb.add_option(name, *path, "A file, a sequence such as smoke.####.vdb, or a folder")
+            ->required()
+            ->type_name(name[0] == 'a' ? "A" : "B");
+    frames_option = verb.add_option("-f,--frames", frames,
+                                    "Compare only these frames (default: all that are there)")
+                        ->type_name("FRAMES");
+    number("--fail", request.tolerance.absolute,
+           "The difference of two values that still passes (default: 0)");
+    number("--relative", request.tolerance.relative,
+           "The same, as a share of the greater value; the greater of both allowances counts "
+           "(default: 0)");
+    number("--fail-percent", request.fail_percent,
+           "The percentage of a grid's voxels in a frame that may differ by more (default: 0)");
+    number("--warn", request.tolerance.warn,
+           "Count the values that differ by more than this, at most --fail, and warn of them");
+    verb.add_option("--picture", request.picture,
+                    "Draw slices of A, B and their difference through the voxel that differs most")
+        ->type_name("FILE.png");
+    verb.add_option("--threads", request.threads,
+                    "Threads, and frames compared at once (default: all cores)")
         ->check(CLI::Range(1, 4096))
         ->envname("FLUIDCARVE_THREADS");
 }

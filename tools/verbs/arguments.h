@@ -36,7 +36,8 @@ struct PipelineArguments {
     /// The words of a command line that say the same.
     std::vector<std::string> words() const;
 
-    /// Loads the plugins that a document names, adds their types to the registry, and builds the pipeline.
+    /// Loads the plugins that a document names, adds their types to the registry, and builds the
+    /// pipeline.
     Pipeline build(const Document& document, Registry& registry, Problems& problems) const;
 
     /// Reads and checks the pipeline. Prints problems and returns nothing if there are any.
@@ -56,10 +57,12 @@ struct RunArguments {
     std::string progress = "auto";
     RunRequest request;
     const CLI::Option* threads_option = nullptr;
-    const CLI::Option* frames_option = nullptr;  ///< tells an empty -f (an unset variable in a farm's script), which is an error, from no -f
+    const CLI::Option* frames_option = nullptr;  ///< tells an empty -f (an unset variable in a
+                                                 ///< farm's script), which is an error, from no -f
 
     void declare(CLI::App& verb);
-    /// The words of a command line that say the same, but for the part of the pipeline to run, and for frames.
+    /// The words of a command line that say the same, but for the part of the pipeline to run, and
+    /// for frames.
     std::vector<std::string> words() const;
     /// Declares only those about threads, memory, the work folder and what is printed.
     void declare_limits(CLI::App& verb);

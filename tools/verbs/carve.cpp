@@ -1,7 +1,8 @@
 #include "tools/verbs/carve.h"
 
+#include "carve/base/words.h"
+#include "formats/file/path_pattern.h"
 #include "graph/build_pipeline.h"
-#include "graph/text/words.h"
 #include "graph/views/provenance.h"
 #include "graph/views/value_sources.h"
 #include "runtime/run/interrupt.h"
@@ -39,10 +40,15 @@ std::string wrong_output(const CarveArguments& arguments, const DraftFiles& file
     const PathPattern out(arguments.out);
     const auto ending = ending_of(input);
     if (files.sequence.per_frame() && out.bad_token().empty() && !out.per_frame())
-        return fmt::format("-o: {} is a sequence, and each frame needs a file of its own: name them as in {}", input,
-                           (std::filesystem::path(arguments.out).parent_path() / std::filesystem::path(input).filename()).string());
+        return fmt::format(
+            "-o: {} is a sequence, and each frame needs a file of its own: name them as in {}",
+            input,
+            (std::filesystem::path(arguments.out).parent_path() /
+             std::filesystem::path(input).filename())
+                .string());
     if (ending == ".vdb" && ending_of(arguments.out) != ending)
-        return fmt::format("-o: {} holds volumes, and so will {}: let its name end in .vdb", input, arguments.out);
+        return fmt::format("-o: {} holds volumes, and so will {}: let its name end in .vdb", input,
+                           arguments.out);
     return {};
 }
 
@@ -64,19 +70,23 @@ DraftRequest request_of(const CarveArguments& arguments, const DraftFiles& files
     const auto put = [](DraftRequest::Fields& fields, const char* name, const std::string& value) {
         if (!value.empty()) fields.emplace_back(name, value);
     };
-    for (const auto& [name, value] : {std::pair("empty", &arguments.empty), std::pair("spread", &arguments.spread), std::pair("rigidity", &arguments.rigidity),
-                                      std::pair("anchor", &arguments.anchor)})
+    for (const auto& [name, value] :
+         {std::pair("empty", &arguments.empty), std::pair("spread", &arguments.spread),
+          std::pair("rigidity", &arguments.rigidity), std::pair("anchor", &arguments.anchor)})
         put(out.solver_fields, name, *value);
-    if (!arguments.window.empty()) out.solver_fields.emplace_back("window", "[" + arguments.window + "]");
+    if (!arguments.window.empty())
+        out.solver_fields.emplace_back("window", "[" + arguments.window + "]");
     put(out.remap_fields, "soft", arguments.soft);
     put(out.remap_fields, "conserve", arguments.conserve);
     return out;
 }
 
-/// The command that carves the same again, for what the files state: it does not depend on folders of outputs, threads and the like.
+/// The command that carves the same again, for what the files state: it does not depend on folders
+/// of outputs, threads and the like.
 std::vector<std::string> words_of(const CarveArguments& arguments, const DraftFiles& files) {
     const CarveArguments fallback;
-    std::vector<std::string> out{"carve", files.sequence.path.text(), arguments.count, "-o", std::filesystem::path(arguments.out).filename().string()};
+    std::vector<std::string> out{"carve", files.sequence.path.text(), arguments.count, "-o",
+                                 std::filesystem::path(arguments.out).filename().string()};
     const auto add = [&](const char* name, const std::string& value, const std::string& otherwise) {
         if (value != otherwise) out.insert(out.end(), {name, value});
     };
@@ -97,40 +107,58 @@ std::vector<std::string> words_of(const CarveArguments& arguments, const DraftFi
 }  // namespace
 
 void CarveArguments::declare(CLI::App& verb) {
-    verb.add_option("files", files, "A sequence such as smoke.####.vdb, a file, or a folder that holds one sequence: volumes, images, particles or meshes")
+    verb.add_option("files", files,
+                    "A sequence such as smoke.####.vdb, a file, or a folder that holds one "
+                    "sequence: volumes, images, particles or meshes")
         ->required()
         ->type_name("FILES");
-    verb.add_option(
-            "count", count,
-            "Number of seams: -12 makes it narrower by twelve voxels, 12 wider; -20% is a share of the size; with --warp also -12.5; with --axis t frames")
+    verb.add_option("count", count,
+                    "Number of seams: -12 makes it narrower by twelve voxels, 12 wider; -20% is a "
+                    "share of the size; with --warp also -12.5; with --axis t frames")
         ->required()
         ->type_name("COUNT");
-    verb.add_option("-o,--out", out, "The carved files; with a frame token such as #### if there are several")->required()->type_name("FILES");
-    verb.add_option("--axis", axis, "The axis of the files along which it becomes narrower or wider; t: shorter or longer in time, by frames")
+    verb.add_option("-o,--out", out,
+                    "The carved files; with a frame token such as #### if there are several")
+        ->required()
+        ->type_name("FILES");
+    verb.add_option("--axis", axis,
+                    "The axis of the files along which it becomes narrower or wider; t: shorter or "
+                    "longer in time, by frames")
         ->check(CLI::IsMember({"x", "y", "z", "t"}))
         ->capture_default_str();
     verb.add_option("--solver", solver,
-                    "What finds the seams, a type of the family `seam`, such as pyramid (default: pyramid; for level sets and particles --warp)")
+                    "What finds the seams, a type of the family `seam`, such as pyramid (default: "
+                    "pyramid; for level sets and particles --warp)")
         ->type_name("SOLVER");
-    verb.add_flag("--warp", warp, "Squeeze or draw out without seams, also by fractions of a voxel");
-    verb.add_option(
-            "--protect", protect,
-            "Where no seam may pass: GRID=VALUE, such as density=0.7, is where the grid has at least this value; or a closed mesh; of images, a picture "
-            "that is white there; may be repeated")
+    verb.add_flag("--warp", warp,
+                  "Squeeze or draw out without seams, also by fractions of a voxel");
+    verb.add_option("--protect", protect,
+                    "Where no seam may pass: GRID=VALUE, such as density=0.7, is where the grid "
+                    "has at least this value; or a closed mesh; of images, a picture "
+                    "that is white there; may be repeated")
         ->type_name("GRID=VALUE|FILE")
         ->expected(1)
         ->take_all();
-    const auto field = [&](const char* name, std::string& value, const char* doc) { verb.add_option(name, value, doc)->type_name("VALUE"); };
-    field("--empty", empty, "Price of empty space: the higher, the more of the carve goes through the content (`empty` of the solver)");
+    const auto field = [&](const char* name, std::string& value, const char* doc) {
+        verb.add_option(name, value, doc)->type_name("VALUE");
+    };
+    field("--empty", empty,
+          "Price of empty space: the higher, the more of the carve goes through the content "
+          "(`empty` of the solver)");
     field("--spread", spread, "How far a seam keeps others away, in voxels (`spread`)");
     field("--rigidity", rigidity, "How straight seams are (`rigidity`)");
     field("--anchor", anchor, "What stays in place: low, middle, high, or a vertex (`anchor`)");
-    field("--window", window, "First and last voxel of the box that seams may take, as in 3,20 (`window`)");
-    field("--soft", soft, "How softly seams are carved, in voxels; 0 moves whole voxels (`soft` of remap.grids)");
+    field("--window", window,
+          "First and last voxel of the box that seams may take, as in 3,20 (`window`)");
+    field("--soft", soft,
+          "How softly seams are carved, in voxels; 0 moves whole voxels (`soft` of remap.grids)");
     field("--conserve", conserve, "mass: keeps the mass of densities (`conserve`)");
-    verb.add_option("--sheet", sheet, "Write before, after and the seams as one picture")->type_name("FILE.png");
-    verb.add_option("--seams", seams, "Write the seams, to use again without solving")->type_name("FILE.vdb");
-    verb.add_flag("--print-pipeline", print_pipeline, "Print the pipeline, to go on from there with `fluidcarve run`; carve nothing");
+    verb.add_option("--sheet", sheet, "Write before, after and the seams as one picture")
+        ->type_name("FILE.png");
+    verb.add_option("--seams", seams, "Write the seams, to use again without solving")
+        ->type_name("FILE.vdb");
+    verb.add_flag("--print-pipeline", print_pipeline,
+                  "Print the pipeline, to go on from there with `fluidcarve run`; carve nothing");
     run.declare(verb);
 }
 
@@ -140,21 +168,27 @@ int carve_files(CarveArguments& arguments, const Registry& registry) {
         return exit_code::usage;
     };
     if (!is_count(arguments.count))
-        return wrong(fmt::format("COUNT must be a number of seams such as -12 or 12, or a share such as -20%, not '{}'", arguments.count));
-    if (arguments.warp && !arguments.solver.empty()) return wrong("--warp takes the place of a solver: leave --solver out");
+        return wrong(fmt::format(
+            "COUNT must be a number of seams such as -12 or 12, or a share such as -20%, not '{}'",
+            arguments.count));
+    if (arguments.warp && !arguments.solver.empty())
+        return wrong("--warp takes the place of a solver: leave --solver out");
     const auto solver = solver_type(arguments);
     if (!solver.empty() && !registry.node(solver))
-        return wrong(fmt::format("--solver: there is no node type '{}'{}", solver, did_you_mean(solver, registry.node_names())));
+        return wrong(fmt::format("--solver: there is no node type '{}'{}", solver,
+                                 did_you_mean(solver, registry.node_names())));
     auto source = std::make_shared<Source>();
     std::vector<std::string> words;
     try {
         const auto files = look_at_draft_files(arguments.files, Several::refused);
         if (const auto fault = wrong_output(arguments, files); !fault.empty()) return wrong(fault);
-        source->name = "carve " + std::filesystem::path(files.sequence.path.text()).filename().string();
+        source->name =
+            "carve " + std::filesystem::path(files.sequence.path.text()).filename().string();
         source->text = draft_pipeline(request_of(arguments, files));
         words = words_of(arguments, files);
     } catch (const Failure& failure) {
-        return wrong(failure.what()), failure.kind == Failure::Kind::input ? exit_code::input : exit_code::usage;
+        return wrong(failure.what()),
+               failure.kind == Failure::Kind::input ? exit_code::input : exit_code::usage;
     }
     Problems problems;
     auto document = read_document(source, {}, problems);
@@ -166,7 +200,8 @@ int carve_files(CarveArguments& arguments, const Registry& registry) {
     auto request = arguments.run.read(pipeline);
     if (!request) return exit_code::usage;
     request->sources = value_sources_of(document, registry);
-    const Interrupt interrupt(request->quiet ? std::string() : interrupted_text(request->options.cache));
+    const Interrupt interrupt(request->quiet ? std::string()
+                                             : interrupted_text(request->options.cache));
     return run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
 }
 

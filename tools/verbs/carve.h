@@ -19,14 +19,16 @@ struct CarveArguments {
     std::string axis = "x", solver;
     bool warp = false;  ///< instead of a solver
     std::vector<std::string> protect;
-    std::string empty, spread, rigidity, anchor, window, soft, conserve;  ///< empty: as the draft has it
+    std::string empty, spread, rigidity, anchor, window, soft,
+        conserve;  ///< empty: as the draft has it
     bool print_pipeline = false;
     RunArguments run;
 
     void declare(CLI::App& verb);
 };
 
-/// The verb `carve`: carves files in the box around them by the pipeline that `init` would write, without a file of it.
+/// The verb `carve`: carves files in the box around them by the pipeline that `init` would write,
+/// without a file of it.
 /// @return an exit code
 int carve_files(CarveArguments& arguments, const Registry& registry);
 

@@ -1,6 +1,6 @@
 #include "tools/verbs/combinations.h"
 
-#include "graph/text/problem.h"
+#include "carve/base/failure.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -31,14 +31,19 @@ std::vector<std::string> split(std::string_view text) {
 Varied varied_of(const std::string& text) {
     const auto sign = text.find('=');
     if (sign == std::string::npos || sign == 0)
-        throw Failure(fmt::format("--over must be PARAM=VALUE,VALUE or NODE.FIELD=VALUE,VALUE, such as count=-4,-8,-12, not '{}'", text));
+        throw Failure(
+            fmt::format("--over must be PARAM=VALUE,VALUE or NODE.FIELD=VALUE,VALUE, such as "
+                        "count=-4,-8,-12, not '{}'",
+                        text));
     Varied out{text.substr(0, sign), split(std::string_view(text).substr(sign + 1))};
     for (std::size_t n = 0; n < out.values.size(); ++n) {
         if (out.values[n].empty())
-            throw Failure(fmt::format("--over {}: value {} of {} is empty; write {}=VALUE,VALUE", out.target, n + 1, out.values.size(), out.target));
-        if (std::find(out.values.begin(), out.values.begin() + static_cast<std::ptrdiff_t>(n), out.values[n]) !=
-            out.values.begin() + static_cast<std::ptrdiff_t>(n))
-            throw Failure(fmt::format("--over {}: {} is there twice; leave one out", out.target, out.values[n]));
+            throw Failure(fmt::format("--over {}: value {} of {} is empty; write {}=VALUE,VALUE",
+                                      out.target, n + 1, out.values.size(), out.target));
+        if (std::find(out.values.begin(), out.values.begin() + static_cast<std::ptrdiff_t>(n),
+                      out.values[n]) != out.values.begin() + static_cast<std::ptrdiff_t>(n))
+            throw Failure(fmt::format("--over {}: {} is there twice; leave one out", out.target,
+                                      out.values[n]));
     }
     return out;
 }
@@ -52,14 +57,16 @@ std::vector<Varied> read_varied(const std::vector<std::string>& texts) {
     for (const auto& text : texts) {
         auto varied = varied_of(text);
         if (std::ranges::find(out, varied.target, &Varied::target) != out.end())
-            throw Failure(fmt::format("--over {} is there twice; put all of its values into one", varied.target));
+            throw Failure(fmt::format("--over {} is there twice; put all of its values into one",
+                                      varied.target));
         count = std::min(count, std::size_t{1'000'000}) * varied.values.size();
         sizes.push_back(varied.values.size());
         out.push_back(std::move(varied));
     }
     if (count > most_combinations)
-        throw Failure(
-            fmt::format("--over: {} are {} combinations, and a wedge has at most {}; name fewer values", fmt::join(sizes, " x "), count, most_combinations));
+        throw Failure(fmt::format(
+            "--over: {} are {} combinations, and a wedge has at most {}; name fewer values",
+            fmt::join(sizes, " x "), count, most_combinations));
     return out;
 }
 
@@ -83,7 +90,9 @@ std::string folder_name(const Combination& combination, std::size_t number) {
     constexpr std::size_t longest = 100;
     out.resize(std::min(out.size(), longest));
     for (char& c : out)
-        if (!std::isalnum(static_cast<unsigned char>(c)) && std::string_view("_=.+-").find(c) == std::string_view::npos) c = '_';
+        if (!std::isalnum(static_cast<unsigned char>(c)) &&
+            std::string_view("_=.+-").find(c) == std::string_view::npos)
+            c = '_';
     return out;
 }
 

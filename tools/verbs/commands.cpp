@@ -1,10 +1,8 @@
 #include "tools/verbs/commands.h"
-#include "runtime/keep/work_folder.h"
 
-#include "graph/build_pipeline.h"
+#include "carve/base/words.h"
+#include "formats/file/confinement.h"
 #include "graph/code_trust.h"
-#include "graph/confinement.h"
-#include "graph/text/words.h"
 #include "graph/views/describe.h"
 #include "graph/views/drawing.h"
 #include "graph/views/file_places.h"
@@ -12,6 +10,7 @@
 #include "graph/views/schema.h"
 #include "graph/views/value_sources.h"
 #include "runtime/jobs/job_status.h"
+#include "runtime/keep/work_folder.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/run/run.h"
 #include "runtime/tell/outcome.h"
@@ -19,6 +18,7 @@
 #include "tools/verbs/arguments.h"
 #include "tools/verbs/carve.h"
 #include "tools/verbs/diff.h"
+#include "tools/verbs/examples.h"
 #include "tools/verbs/explain.h"
 #include "tools/verbs/farm.h"
 #include "tools/verbs/init.h"
@@ -35,11 +35,11 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
-#include <filesystem>
 #include <map>
 #include <optional>
 
 namespace fluidcarve {
+
 namespace {
 
 int run(const PipelineArguments& arguments, RunArguments& run_arguments, Registry& registry) {
@@ -51,16 +51,19 @@ int run(const PipelineArguments& arguments, RunArguments& run_arguments, Registr
     auto request = run_arguments.read(pipeline);
     if (!request) return exit_code::usage;
     request->sources = value_sources_of(document, registry);
-    const Interrupt interrupt(request->quiet ? std::string() : interrupted_text(request->options.cache));
+    const Interrupt interrupt(request->quiet ? std::string()
+                                             : interrupted_text(request->options.cache));
     return run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
 }
 
 /// @param open  whether the pipeline is a template, whose params may have no value
-int check(const PipelineArguments& arguments, bool json, bool verbose, bool open, Registry& registry) {
+int check(const PipelineArguments& arguments, bool json, bool verbose, bool open,
+          Registry& registry) {
     Problems problems;
     const auto document = read_document(arguments.path, arguments.settings, problems, open);
     const auto pipeline = arguments.build(document, registry, problems);
-    if (!problems.empty()) return json ? print(to_json(problems)) : complain(to_text(problems)), exit_code::usage;
+    if (!problems.empty())
+        return json ? print(to_json(problems)) : complain(to_text(problems)), exit_code::usage;
     const auto values = [&] {
         auto out = value_sources_of(document, registry);
         out.files = file_places(pipeline);
@@ -69,12 +72,14 @@ int check(const PipelineArguments& arguments, bool json, bool verbose, bool open
     const auto warnings = warnings_of(pipeline);
     if (json) return print(verbose ? to_json(values()) : to_json(warnings)), exit_code::done;
     complain(to_text(warnings));
-    print(fmt::format("{}: good; {}, {}\n", arguments.path, counted(pipeline.nodes.size(), "node"), counted(pipeline.frames.frames().size(), "frame")));
+    print(fmt::format("{}: good; {}, {}\n", arguments.path, counted(pipeline.nodes.size(), "node"),
+                      counted(pipeline.frames.frames().size(), "frame")));
     if (verbose) print("\n" + to_text(values()));
     return exit_code::done;
 }
 
-int plan(const PipelineArguments& arguments, RunArguments& run_arguments, bool json, Registry& registry) {
+int plan(const PipelineArguments& arguments, RunArguments& run_arguments, bool json,
+         Registry& registry) {
     const auto pipeline = arguments.read_or_complain(registry);
     if (!pipeline) return exit_code::usage;
     const auto request = run_arguments.read(*pipeline);
@@ -83,39 +88,57 @@ int plan(const PipelineArguments& arguments, RunArguments& run_arguments, bool j
 
 /// An age such as 7d, 12h, 30m or 2w; nothing if a text is none.
 std::optional<std::chrono::seconds> age_of(std::string_view text) {
-    static const std::map<char, std::chrono::seconds> units{
-        {'m', std::chrono::minutes(1)}, {'h', std::chrono::hours(1)}, {'d', std::chrono::hours(24)}, {'w', std::chrono::hours(24 * 7)}};
+    static const std::map<char, std::chrono::seconds> units{{'m', std::chrono::minutes(1)},
+                                                            {'h', std::chrono::hours(1)},
+                                                            {'d', std::chrono::hours(24)},
+                                                            {'w', std::chrono::hours(24 * 7)}};
     const auto unit = text.empty() ? units.end() : units.find(text.back());
     if (unit == units.end()) return std::nullopt;
     text.remove_suffix(1);
     int number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc{} || end != text.data() + text.size() || number < 0 || number > 100000) return std::nullopt;
+    if (error != std::errc{} || end != text.data() + text.size() || number < 0 || number > 100000)
+        return std::nullopt;
     return number * unit->second;
 }
 
 /// Says how far the runs in a work folder have come.
 int status(const std::string& folder, bool json) {
-    if (const auto fault = WorkFolder(folder).unread(); !fault.empty()) return complain("failed: " + fault + "\n"), exit_code::input;
+    if (const auto fault = WorkFolder(folder).unread(); !fault.empty())
+        return complain("failed: " + fault + "\n"), exit_code::input;
     return print(job_status_text(folder, json)), exit_code::done;
 }
 
 /// Removes files of fluidcarve from a work folder, and the folder if it is then empty.
-int clean(const std::string& path, const std::string& older, const std::string& shot, bool dry_run) {
+int clean(const std::string& path, const std::string& older, const std::string& shot,
+          bool dry_run) {
     const WorkFolder folder(path);
-    WorkFolder::Wish wish{older.empty() ? std::nullopt : age_of(older), dry_run, shot.empty() ? std::nullopt : std::optional(shot)};
-    if (!older.empty() && !wish.older) return complain(fmt::format("--older: '{}' is no age such as 7d, 12h, 30m or 2w\n", older)), exit_code::usage;
-    if (const auto fault = folder.unread(); !fault.empty()) return complain("failed: " + fault + "\n"), exit_code::input;
-    if (const auto fault = folder.fault(); !fault.empty()) return complain(fmt::format("cannot clean: {}\n", fault)), exit_code::usage;
+    WorkFolder::Wish wish{older.empty() ? std::nullopt : age_of(older), dry_run,
+                          shot.empty() ? std::nullopt : std::optional(shot)};
+    if (!older.empty() && !wish.older)
+        return complain(fmt::format("--older: '{}' is no age such as 7d, 12h, 30m or 2w\n", older)),
+               exit_code::usage;
+    if (const auto fault = folder.unread(); !fault.empty())
+        return complain("failed: " + fault + "\n"), exit_code::input;
+    if (const auto fault = folder.fault(); !fault.empty())
+        return complain(fmt::format("cannot clean: {}\n", fault)), exit_code::usage;
     try {
         const auto cleaned = folder.clean(wish);
         const auto stay = [](std::size_t count, const char* why) {
-            return count == 0 ? std::string() : fmt::format("; {} {} {}", count, count == 1 ? "file stays" : "files stay", why);
+            return count == 0 ? std::string()
+                              : fmt::format("; {} {} {}", count,
+                                            count == 1 ? "file stays" : "files stay", why);
         };
-        const auto rest = stay(cleaned.kept, "that were used since") + stay(cleaned.apart, "of other shots, or of several") +
+        const auto rest = stay(cleaned.kept, "that were used since") +
+                          stay(cleaned.apart, "of other shots, or of several") +
                           stay(cleaned.left, "that fluidcarve did not write");
-        const auto what = fmt::format("{}, {}", counted(cleaned.removed, "file"), size_text(cleaned.bytes));
-        print(fmt::format("{}: {}{}\n", path, cleaned.removed == 0 ? "nothing to clean" : dry_run ? "would remove " + what : "removed " + what, rest));
+        const auto what =
+            fmt::format("{}, {}", counted(cleaned.removed, "file"), size_text(cleaned.bytes));
+        print(fmt::format("{}: {}{}\n", path,
+                          cleaned.removed == 0 ? "nothing to clean"
+                          : dry_run            ? "would remove " + what
+                                               : "removed " + what,
+                          rest));
     } catch (const Failure& failure) {
         return complain(fmt::format("{}\n", failure.what())), exit_code::node_failed;
     }
@@ -136,22 +159,28 @@ bool load_or_complain(const std::vector<std::string>& plugins, Registry& registr
 /// The message about a name that is neither a node type nor a family, with those near to it.
 std::string no_node_type(const std::string& name, const Registry& registry) {
     const auto names = registry.node_names();
-    if (name.find('.') != std::string::npos) return fmt::format("there is no node type '{}'{}\n", name, did_you_mean(name, names));
+    if (name.find('.') != std::string::npos)
+        return fmt::format("there is no node type '{}'{}\n", name, did_you_mean(name, names));
     std::vector<std::string> quoted;
     for (const auto& each : names)
         if (each.ends_with("." + name)) quoted.push_back("'" + each + "'");
     return fmt::format("there is no node type or family '{}'{}\n", name,
-                       quoted.empty() ? did_you_mean(name, registry.families()) : fmt::format("; did you mean {}?", either(quoted)));
+                       quoted.empty() ? did_you_mean(name, registry.families())
+                                      : fmt::format("; did you mean {}?", either(quoted)));
 }
 
 int nodes(const std::string& type, bool json, bool markdown, const Registry& registry) {
     const auto families = registry.families();
     if (std::find(families.begin(), families.end(), type) != families.end()) {
-        print(json ? family_to_json(registry, type) : markdown ? family_to_markdown(registry, type) : listing(registry, type));
+        print(json       ? family_to_json(registry, type)
+              : markdown ? family_to_markdown(registry, type)
+                         : listing(registry, type));
     } else if (!type.empty()) {
         const auto* const found = registry.node(type);
         if (!found) return complain(no_node_type(type, registry)), exit_code::usage;
-        print(json ? to_json(registry, *found) : markdown ? to_markdown(registry, *found) : describe(registry, *found));
+        print(json       ? to_json(registry, *found)
+              : markdown ? to_markdown(registry, *found)
+                         : describe(registry, *found));
     } else {
         print(json ? to_json(registry) : markdown ? to_markdown(registry) : listing(registry));
     }
@@ -165,88 +194,34 @@ int graph(const PipelineArguments& arguments, const std::string& format, Registr
     return exit_code::done;
 }
 
-/// Adds examples to the help of each verb and the manual page.
-void add_examples(CLI::App& app) {
-    const std::map<std::string, const char*> examples{
-        {"run",
-         "  fluidcarve run pipelines/plume.yaml --set count=-20\n"
-         "  fluidcarve run shot.yaml -f 1001-1010 --report out/shot.json     a farm's chunk\n"
-         "  fluidcarve run shot.yaml --manifest shot.manifest                no input may have rotted since the first run\n"
-         "  fluidcarve run shot.yaml --to seams.energy -f 1-42              only the solver's data of these frames\n"
-         "  fluidcarve run theirs.yaml --confine /shots/sh010 --work /shots/sh010/work\n"
-         "  fluidcarve run shot.yaml --only seams                           the solver alone, from cached results"},
-        {"check",
-         "  fluidcarve check shot.yaml\n  fluidcarve check theirs.yaml --confine /shots/sh010\n  fluidcarve check shot.yaml -v        where each value comes "
-         "from, and where the files lie"},
-        {"plan", "  fluidcarve plan shot.yaml --set look.weights='[0.4, 0.6]'"},
-        {"farm",
-         "  fluidcarve farm local shot.yaml -j 4\n"
-         "  fluidcarve farm local shot.yaml --chunk 10 --dry-run            the steps, and the command of each\n"
-         "  fluidcarve farm slurm shot.yaml --minutes 20 --output shot_job  batch scripts; then: shot_job/submit --partition=fx\n"
-         "  fluidcarve farm slurm shot.yaml --work /shared/sh010/work --prefix 'rez-env fluidcarve --' --submit\n"
-         "  fluidcarve farm openjd shot.yaml --output shot_bundle           a bundle; then: deadline bundle submit shot_bundle"},
-        {"view",
-         "  fluidcarve view pipelines/plume.yaml                            after `run`: a slider for the count\n"
-         "  fluidcarve view shot.yaml -o shot.html                          before: where rig, lattice, masks and energy lie\n"
-         "  fluidcarve view shot.yaml --solve --set count=-40"},
-        {"status", "  fluidcarve status --work /shared/sh010/work"},
-        {"carve",
-         "  fluidcarve carve smoke.####.vdb -12 -o out/smoke.####.vdb\n"
-         "  fluidcarve carve smoke.####.vdb -20% -o out/smoke.####.vdb --axis y --protect density=0.7 --sheet out/sheet.png\n"
-         "  fluidcarve carve beach.jpg -20% -o narrow.jpg\n"
-         "  fluidcarve carve smoke.####.vdb -12 -o out/smoke.####.vdb --print-pipeline > shot.yaml"},
-        {"wedge",
-         "  fluidcarve wedge shot.yaml --over count=-4,-8,-12\n"
-         "  fluidcarve wedge shot.yaml --over count=-8,-16 --over seams.type=seam.greedy,seam.pyramid --out wedges/seams"},
-        {"init", "  fluidcarve init smoke.####.vdb -o shot.yaml\n  fluidcarve init /shots/sh010      the one sequence in a folder"},
-        {"clean", "  fluidcarve clean --work /shared/sh010/work\n  fluidcarve clean --older 7d --shot sh010 --dry-run"},
-        {"nodes",
-         "  fluidcarve nodes\n  fluidcarve nodes mask\n  fluidcarve nodes seam.pyramid\n  fluidcarve nodes acme.sparkle --plugin build/acme_sparkle.so"},
-        {"new-node",
-         "  fluidcarve new-node acme.sparkle\n  fluidcarve new-node acme.straight --solver --folder /shows/ab/straight\n  fluidcarve new-node acme.glow "
-         "--python"},
-        {"schema",
-         "  fluidcarve schema > schema.json      named in a pipeline's first line:\n"
-         "  # yaml-language-server: $schema=schema.json"},
-        {"graph", "  fluidcarve graph shot.yaml --format svg > shot.svg"},
-        {"inspect",
-         "  fluidcarve inspect /shots/sh010/*.vdb\n"
-         "  fluidcarve inspect /shots/sh010/smoke.####.vdb      the sequence as one\n"
-         "  fluidcarve inspect /shots/sh010                     all files of a folder"},
-        {"diff",
-         "  fluidcarve diff before.####.vdb after.####.vdb\n"
-         "  fluidcarve diff before.####.vdb after.####.vdb -f 51-56 --fail 1e-4 --fail-percent 0.1 --picture worst.png\n"
-         "  fluidcarve diff out/monday out/tuesday --json"},
-        {"explain", "  fluidcarve explain out/plume.0051.vdb\n  fluidcarve explain --json out/sheet.png"},
-        {"man", "  fluidcarve man | man -l -"},
-        {"completion",
-         "  source <(fluidcarve completion bash)      in ~/.bashrc\n"
-         "  source <(fluidcarve completion zsh)       in ~/.zshrc, after compinit\n"
-         "  fluidcarve completion fish | source       in ~/.config/fish/config.fish"}};
-    for (auto* const verb : app.get_subcommands([](CLI::App*) { return true; }))
-        if (const auto found = examples.find(verb->get_name()); found != examples.end()) verb->footer(std::string("Examples:\n") + found->second);
-}
-
 /// A message if the first argument should be a verb and is not one; else empty.
 std::string wrong_verb(const CLI::App& app, int argc, const char* const* argv) {
     std::vector<std::string> names;
-    for (const auto* const verb : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(verb->get_name());
-    if (argc < 2) return fmt::format("fluidcarve needs a verb: {}; `fluidcarve VERB --help` says more\n", fmt::join(names, ", "));
+    for (const auto* const verb : app.get_subcommands([](const CLI::App*) { return true; }))
+        names.push_back(verb->get_name());
+    if (argc < 2)
+        return fmt::format("fluidcarve needs a verb: {}; `fluidcarve VERB --help` says more\n",
+                           fmt::join(names, ", "));
     const std::string first = argv[1];
-    if (first.starts_with('-') || std::find(names.begin(), names.end(), first) != names.end()) return {};
+    if (first.starts_with('-') || std::find(names.begin(), names.end(), first) != names.end())
+        return {};
     return fmt::format("there is no verb '{}'{}\n", first, did_you_mean(first, names));
 }
 
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv, Registry registry) {
-    CLI::App app("Changes the size of a finished simulation without simulating it again: carves seams out of volume sequences, or inserts them.", "fluidcarve");
+    CLI::App app(
+        "Changes the size of a finished simulation without simulating it again: carves seams out "
+        "of volume sequences, or inserts them.",
+        "fluidcarve");
     app.set_version_flag("--version", std::string("fluidcarve ") + FLUIDCARVE_VERSION);
     app.require_subcommand(1);
     app.failure_message(CLI::FailureMessage::simple);
 
     PipelineArguments pipeline;
-    RunArguments run_arguments, plan_arguments;  // one per verb: environment variables set the options of both
+    RunArguments run_arguments,
+        plan_arguments;  // one per verb: environment variables set the options of both
     bool json = false;
     bool verbose = false;
     bool markdown = false;
@@ -256,98 +231,160 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     auto* const run_verb = app.add_subcommand("run", "Run a pipeline");
     pipeline.declare(*run_verb);
     run_arguments.declare(*run_verb);
-    auto* const check_verb = app.add_subcommand("check", "Find all faults of a pipeline without running it");
+    auto* const check_verb =
+        app.add_subcommand("check", "Find all faults of a pipeline without running it");
     pipeline.declare(*check_verb);
-    check_verb->add_flag("--json", json, "Print problems as JSON; with --verbose, print the values if there are no problems");
-    check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and its source, and where the files lie");
+    check_verb->add_flag(
+        "--json", json,
+        "Print problems as JSON; with --verbose, print the values if there are no problems");
+    check_verb->add_flag("-v,--verbose", verbose,
+                         "Show each value of the pipeline and its source, and where the files lie");
     bool open = false;
-    check_verb->add_flag("--template", open, "Let params have no value, as those of a template that shots extend");
+    check_verb->add_flag("--template", open,
+                         "Let params have no value, as those of a template that shots extend");
     auto* const plan_verb =
-        app.add_subcommand("plan", "Show what a run will do, node by node, why, and in which time by earlier runs; takes the options of `run`");
+        app.add_subcommand("plan",
+                           "Show what a run will do, node by node, why, and in which time by "
+                           "earlier runs; takes the options of `run`");
     pipeline.declare(*plan_verb);
     plan_arguments.declare(*plan_verb);
     plan_verb->add_flag("--json", json, "Print as JSON");
     FarmArguments farm_arguments;
     RunArguments farm_run_arguments;
-    auto* const farm_verb = app.add_subcommand("farm", "Run a pipeline as steps on many machines, or as processes on this one; takes the options of `run`");
+    auto* const farm_verb = app.add_subcommand("farm",
+                                               "Run a pipeline as steps on many machines, or as "
+                                               "processes on this one; takes the options of `run`");
     farm_arguments.declare(*farm_verb, pipeline, farm_run_arguments);
     ViewArguments view;
-    auto* const view_verb = app.add_subcommand("view", "Write a page for a browser: before and after, with a slider for the number of seams");
+    auto* const view_verb = app.add_subcommand(
+        "view",
+        "Write a page for a browser: before and after, with a slider for the number of seams");
     pipeline.declare(*view_verb);
     view.declare(*view_verb);
     std::string status_folder = RunOptions().work_folder, clean_folder = status_folder;
-    auto* const status_verb = app.add_subcommand("status", "Show how far the runs and farm jobs in a work folder have come, and which were interrupted");
-    status_verb->add_option("--work", status_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
+    auto* const status_verb = app.add_subcommand("status",
+                                                 "Show how far the runs and farm jobs in a work "
+                                                 "folder have come, and which were interrupted");
+    status_verb->add_option("--work", status_folder, "The work folder")
+        ->capture_default_str()
+        ->type_name("DIR")
+        ->envname("FLUIDCARVE_WORK");
     status_verb->add_flag("--json", json, "Print as JSON");
     auto* const clean_verb = app.add_subcommand("clean", "Remove results from a work folder");
-    clean_verb->add_option("--work", clean_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
+    clean_verb->add_option("--work", clean_folder, "The work folder")
+        ->capture_default_str()
+        ->type_name("DIR")
+        ->envname("FLUIDCARVE_WORK");
     std::string older;
     std::string shot;
     bool dry_run = false;
     clean_verb
         ->add_option("--shot", shot,
-                     "Remove only what runs of this pipeline made: the name of its file, as in sh010 for sh010.yaml. Results of up to 64 KB, which "
+                     "Remove only what runs of this pipeline made: the name of its file, as in "
+                     "sh010 for sh010.yaml. Results of up to 64 KB, which "
                      "lie many to a file, stay")
         ->type_name("NAME");
-    clean_verb->add_option("--older", older, "Remove only what was not used for so long: 7d, 12h, 30m, 2w")->type_name("AGE");
+    clean_verb
+        ->add_option("--older", older,
+                     "Remove only what was not used for so long: 7d, 12h, 30m, 2w")
+        ->type_name("AGE");
     clean_verb->add_flag("--dry-run", dry_run, "Only say what would be removed");
-    auto* const nodes_verb = app.add_subcommand("nodes", "List the node types, or those of a family, or describe one");
-    nodes_verb->add_option("type", type, "The node type to describe, or the family to list")->type_name("TYPE");
+    auto* const nodes_verb =
+        app.add_subcommand("nodes", "List the node types, or those of a family, or describe one");
+    nodes_verb->add_option("type", type, "The node type to describe, or the family to list")
+        ->type_name("TYPE");
     auto* const json_flag = nodes_verb->add_flag("--json", json, "Print as JSON");
     nodes_verb->add_flag("--markdown", markdown, "Print as Markdown")->excludes(json_flag);
-    auto* const schema_verb = app.add_subcommand("schema", "Print the JSON schema (draft 7) of pipeline files, for editors");
+    auto* const schema_verb = app.add_subcommand(
+        "schema", "Print the JSON schema (draft 7) of pipeline files, for editors");
     std::vector<std::string> plugins;
     for (auto* const verb : {nodes_verb, schema_verb})
-        verb->add_option("--plugin", plugins, "Include the types of this plugin; its code is loaded; may be repeated")
+        verb->add_option("--plugin", plugins,
+                         "Include the types of this plugin; its code is loaded; may be repeated")
             ->type_name("FILE")
             ->expected(1)
             ->take_all();
     WedgeArguments wedge_arguments;
     auto* const wedge_verb =
-        app.add_subcommand("wedge", "Run a pipeline with several values of its params, and show the results side by side; takes the options of `run`");
+        app.add_subcommand("wedge",
+                           "Run a pipeline with several values of its params, and show the results "
+                           "side by side; takes the options of `run`");
     pipeline.declare(*wedge_verb);
     wedge_arguments.declare(*wedge_verb);
     CarveArguments carve_arguments;
-    auto* const carve_verb = app.add_subcommand("carve", "Carve files in the box around them, without a pipeline of your own; takes the options of `run`");
+    auto* const carve_verb = app.add_subcommand("carve",
+                                                "Carve files in the box around them, without a "
+                                                "pipeline of your own; takes the options of `run`");
     carve_arguments.declare(*carve_verb);
     InitArguments init_arguments;
-    auto* const init_verb = app.add_subcommand("init", "Look at files, and write the commented pipeline that carves them");
+    auto* const init_verb = app.add_subcommand(
+        "init", "Look at files, and write the commented pipeline that carves them");
     init_arguments.declare(*init_verb);
     NewNode new_node;
-    auto* const new_node_verb = app.add_subcommand("new-node", "Write a plugin with a node type of your own: source, test, build files, a pipeline");
-    new_node_verb->add_option("name", new_node.name, "Name of the node type: FAMILY.NAME, such as acme.sparkle; choose a family of your own")
+    auto* const new_node_verb = app.add_subcommand(
+        "new-node",
+        "Write a plugin with a node type of your own: source, test, build files, a pipeline");
+    new_node_verb
+        ->add_option(
+            "name", new_node.name,
+            "Name of the node type: FAMILY.NAME, such as acme.sparkle; choose a family of your own")
         ->required()
         ->type_name("NAME");
-    auto* const solver_flag = new_node_verb->add_flag("--solver", new_node.solver, "Write a solver instead of an energy");
-    new_node_verb->add_flag("--python", new_node.python, "Write an energy as a script of Python, with its test and a pipeline, instead of a plugin")
+    auto* const solver_flag =
+        new_node_verb->add_flag("--solver", new_node.solver, "Write a solver instead of an energy");
+    new_node_verb
+        ->add_flag("--python", new_node.python,
+                   "Write an energy as a script of Python, with its test and a pipeline, instead "
+                   "of a plugin")
         ->excludes(solver_flag);
-    new_node_verb->add_option("--folder", new_node.folder, "The folder to write (default: ./FAMILY_NAME)")->type_name("DIR");
+    new_node_verb
+        ->add_option("--folder", new_node.folder, "The folder to write (default: ./FAMILY_NAME)")
+        ->type_name("DIR");
     auto* const graph_verb = app.add_subcommand("graph", "Draw a pipeline");
     pipeline.declare(*graph_verb);
-    graph_verb->add_option("--format", format, "Format of the picture")->check(CLI::IsMember({"dot", "svg"}))->capture_default_str();
+    graph_verb->add_option("--format", format, "Format of the picture")
+        ->check(CLI::IsMember({"dot", "svg"}))
+        ->capture_default_str();
 
     std::vector<std::string> files;
-    auto* const inspect_verb = app.add_subcommand("inspect", "Show the content of volumes, images, meshes, points and curves; sequences as one");
-    inspect_verb->add_option("files", files, "Data files, sequences such as smoke.####.vdb, and folders")->required()->type_name("FILE");
+    auto* const inspect_verb = app.add_subcommand(
+        "inspect",
+        "Show the content of volumes, images, meshes, points and curves; sequences as one");
+    inspect_verb
+        ->add_option("files", files, "Data files, sequences such as smoke.####.vdb, and folders")
+        ->required()
+        ->type_name("FILE");
     inspect_verb->add_flag("--json", json, "Print as JSON");
 
     std::string made;
-    auto* const explain_verb = app.add_subcommand("explain", "Show what made a file: program, pipeline, values, seams, and the command that makes it again");
-    explain_verb->add_option("file", made, "A file that a run wrote (.vdb, .png, .exr, .jpg, .ply, .obj)")->required()->type_name("FILE");
+    auto* const explain_verb =
+        app.add_subcommand("explain",
+                           "Show what made a file: program, pipeline, values, seams, and the "
+                           "command that makes it again");
+    explain_verb
+        ->add_option("file", made, "A file that a run wrote (.vdb, .png, .exr, .jpg, .ply, .obj)")
+        ->required()
+        ->type_name("FILE");
     explain_verb->add_flag("--json", json, "Print as JSON");
 
     DiffArguments diff_arguments;
-    auto* const diff_verb = app.add_subcommand("diff", "Compare two sequences, files or folders, grid by grid");
+    auto* const diff_verb =
+        app.add_subcommand("diff", "Compare two sequences, files or folders, grid by grid");
     diff_arguments.declare(*diff_verb);
     diff_verb->add_flag("--json", json, "Print as JSON");
 
     std::string shell;
     auto* const man_verb = app.add_subcommand("man", "Print the manual page");
-    auto* const completion_verb = app.add_subcommand("completion", "Print a script that completes commands in a shell");
-    completion_verb->add_option("shell", shell, "The shell")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}))->type_name("SHELL");
+    auto* const completion_verb =
+        app.add_subcommand("completion", "Print a script that completes commands in a shell");
+    completion_verb->add_option("shell", shell, "The shell")
+        ->required()
+        ->check(CLI::IsMember({"bash", "zsh", "fish"}))
+        ->type_name("SHELL");
     add_examples(app);
 
-    if (const auto fault = wrong_verb(app, argc, argv); !fault.empty()) return complain(fault), exit_code::usage;
+    if (const auto fault = wrong_verb(app, argc, argv); !fault.empty())
+        return complain(fault), exit_code::usage;
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -364,7 +401,8 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     if (*run_verb) return run(pipeline, run_arguments, registry);
     if (*check_verb) return check(pipeline, json, verbose, open, registry);
     if (*plan_verb) return plan(pipeline, plan_arguments, json, registry);
-    if (*farm_verb) return farm(farm_arguments, pipeline, farm_run_arguments, {argv, argv + argc}, registry);
+    if (*farm_verb)
+        return farm(farm_arguments, pipeline, farm_run_arguments, {argv, argv + argc}, registry);
     if (*status_verb) return status(status_folder, json);
     if (*view_verb) return view_pipeline(pipeline, view, registry);
     if (*clean_verb) return clean(clean_folder, older, shot, dry_run);

@@ -1,6 +1,7 @@
 #include "tools/verbs/comparison.h"
 
-#include "graph/text/one_line.h"
+#include "carve/base/frame_set.h"
+#include "carve/base/one_line.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,34 +14,48 @@ namespace fluidcarve {
 namespace {
 
 std::string value_text(const std::vector<double>& value) {
-    return value.size() == 1 ? fmt::format("{:g}", value[0]) : fmt::format("[{:g}]", fmt::join(value, ", "));
+    return value.size() == 1 ? fmt::format("{:g}", value[0])
+                             : fmt::format("[{:g}]", fmt::join(value, ", "));
 }
 
 /// "frame 7", "frames 7-9".
-std::string frames_text(const FrameSet& frames) { return (frames.frames().size() == 1 ? "frame " : "frames ") + frames.text(); }
+std::string frames_text(const FrameSet& frames) {
+    return (frames.frames().size() == 1 ? "frame " : "frames ") + frames.text();
+}
 
 /// What a value differs by if it is counted: " by more than 0.1".
 std::string threshold_text(const Tolerance& tolerance) {
     if (tolerance.none()) return {};
     const auto relative = fmt::format("{:g} of the greater value", tolerance.relative);
     if (tolerance.relative == 0) return fmt::format(" by more than {:g}", tolerance.absolute);
-    return tolerance.absolute == 0 ? " by more than " + relative : fmt::format(" by more than {:g} and {}", tolerance.absolute, relative);
+    return tolerance.absolute == 0
+               ? " by more than " + relative
+               : fmt::format(" by more than {:g} and {}", tolerance.absolute, relative);
 }
 
-std::string part_text(const PartComparison& part, const SequenceComparison& of, const Thresholds& thresholds) {
+std::string part_text(const PartComparison& part, const SequenceComparison& of,
+                      const Thresholds& thresholds) {
     const auto& sums = part.sums;
-    const auto in_frames = [&](const std::vector<int>& frames) { return of.per_frame() ? " in " + frames_text(FrameSet(frames)) : std::string(); };
-    constexpr std::array verdicts{"the same", "the same within the thresholds", "the same within the thresholds, with warnings", "different"};
-    auto out = fmt::format("  {}: {}{}\n", one_line(sums.name), verdicts.at(static_cast<std::size_t>(part.verdict)),
-                           part.verdict == Verdict::different ? in_frames(part.differing) : std::string());
-    for (const auto& [fault, frames] : part.faults) out += fmt::format("    {}{}\n", one_line(fault), in_frames(frames));
+    const auto in_frames = [&](const std::vector<int>& frames) {
+        return of.per_frame() ? " in " + frames_text(FrameSet(frames)) : std::string();
+    };
+    constexpr std::array verdicts{"the same", "the same within the thresholds",
+                                  "the same within the thresholds, with warnings", "different"};
+    auto out = fmt::format(
+        "  {}: {}{}\n", one_line(sums.name), verdicts.at(static_cast<std::size_t>(part.verdict)),
+        part.verdict == Verdict::different ? in_frames(part.differing) : std::string());
+    for (const auto& [fault, frames] : part.faults)
+        out += fmt::format("    {}{}\n", one_line(fault), in_frames(frames));
     if (!sums.worst) return out;
-    out += fmt::format("    {} of {} {} differ{}", sums.over, sums.compared, sums.values, threshold_text(thresholds.tolerance));
-    if (sums.warned > 0) out += fmt::format(", {} by more than {:g}", sums.warned, thresholds.tolerance.warn);
+    out += fmt::format("    {} of {} {} differ{}", sums.over, sums.compared, sums.values,
+                       threshold_text(thresholds.tolerance));
+    if (sums.warned > 0)
+        out += fmt::format(", {} by more than {:g}", sums.warned, thresholds.tolerance.warn);
     if (sums.only_a > 0) out += fmt::format(", {} are active in A only", sums.only_a);
     if (sums.only_b > 0) out += fmt::format(", {} are active in B only", sums.only_b);
     if (sums.not_finite > 0) out += fmt::format(", {} by no finite number", sums.not_finite);
-    out += fmt::format("\n    mean {:.4g}, RMS {:.4g}, peak {:.4g}: {}: {} in A, {} in B\n", sums.mean(), sums.rms(), sums.peak, place_of(part, of.per_frame()),
+    out += fmt::format("\n    mean {:.4g}, RMS {:.4g}, peak {:.4g}: {}: {} in A, {} in B\n",
+                       sums.mean(), sums.rms(), sums.peak, place_of(part, of.per_frame()),
                        value_text(sums.worst->a), value_text(sums.worst->b));
     return out;
 }
@@ -85,13 +100,17 @@ std::string name_of(Verdict verdict) {
 
 Verdict Thresholds::judge(const PartDifference& part) const {
     if (part.same()) return Verdict::same;
-    if (!part.faults.empty() || static_cast<double>(part.over) > fail_percent / 100 * static_cast<double>(part.compared)) return Verdict::different;
+    if (!part.faults.empty() ||
+        static_cast<double>(part.over) > fail_percent / 100 * static_cast<double>(part.compared))
+        return Verdict::different;
     return part.warned > 0 ? Verdict::warning : Verdict::within;
 }
 
-void SequenceComparison::add(int frame, const std::vector<PartDifference>& found, const Thresholds& thresholds) {
+void SequenceComparison::add(int frame, const std::vector<PartDifference>& found,
+                             const Thresholds& thresholds) {
     for (const auto& part : found) {
-        auto known = std::find_if(parts.begin(), parts.end(), [&](const auto& each) { return each.sums.name == part.name; });
+        auto known = std::find_if(parts.begin(), parts.end(),
+                                  [&](const auto& each) { return each.sums.name == part.name; });
         if (known == parts.end()) {
             known = parts.insert(parts.end(), PartComparison());
             known->sums.name = part.name;
@@ -102,38 +121,47 @@ void SequenceComparison::add(int frame, const std::vector<PartDifference>& found
         known->verdict = std::max(known->verdict, verdict);
         if (verdict == Verdict::different) known->differing.push_back(frame);
         for (const auto& fault : part.faults) {
-            auto same = std::find_if(known->faults.begin(), known->faults.end(), [&](const auto& each) { return each.first == fault; });
-            if (same == known->faults.end()) same = known->faults.insert(known->faults.end(), {fault, {}});
+            auto same = std::find_if(known->faults.begin(), known->faults.end(),
+                                     [&](const auto& each) { return each.first == fault; });
+            if (same == known->faults.end())
+                same = known->faults.insert(known->faults.end(), {fault, {}});
             same->second.push_back(frame);
         }
     }
 }
 
 Verdict SequenceComparison::verdict() const {
-    auto out = only_a.frames().empty() && only_b.frames().empty() ? Verdict::same : Verdict::different;
+    auto out =
+        only_a.frames().empty() && only_b.frames().empty() ? Verdict::same : Verdict::different;
     for (const auto& part : parts) out = std::max(out, part.verdict);
     return out;
 }
 
 std::string to_text(const SequenceComparison& comparison, const Thresholds& thresholds) {
     auto out = fmt::format("{} and {}", comparison.a.path.text(), comparison.b.path.text());
-    if (comparison.per_frame() && !comparison.frames.frames().empty()) out += ", " + frames_text(comparison.frames);
+    if (comparison.per_frame() && !comparison.frames.frames().empty())
+        out += ", " + frames_text(comparison.frames);
     out += "\n";
-    for (const auto& [side, only] : {std::pair("A", &comparison.only_a), std::pair("B", &comparison.only_b)})
-        if (!only->frames().empty()) out += fmt::format("  only in {}: {}\n", side, frames_text(*only));
+    for (const auto& [side, only] :
+         {std::pair("A", &comparison.only_a), std::pair("B", &comparison.only_b)})
+        if (!only->frames().empty())
+            out += fmt::format("  only in {}: {}\n", side, frames_text(*only));
     for (const auto& part : comparison.parts) out += part_text(part, comparison, thresholds);
     return out;
 }
 
 nlohmann::ordered_json to_json(const SequenceComparison& comparison) {
-    nlohmann::ordered_json out{{"a", comparison.a.path.text()}, {"b", comparison.b.path.text()}, {"result", name_of(comparison.verdict())}};
+    nlohmann::ordered_json out{{"a", comparison.a.path.text()},
+                               {"b", comparison.b.path.text()},
+                               {"result", name_of(comparison.verdict())}};
     if (comparison.per_frame()) {
         out["frames"] = comparison.frames.text();
         out["only_a"] = comparison.only_a.text();
         out["only_b"] = comparison.only_b.text();
     }
     out["parts"] = nlohmann::ordered_json::array();
-    for (const auto& part : comparison.parts) out["parts"].push_back(part_json(part, comparison.per_frame()));
+    for (const auto& part : comparison.parts)
+        out["parts"].push_back(part_json(part, comparison.per_frame()));
     return out;
 }
 
@@ -143,7 +171,8 @@ std::string place_of(const PartComparison& part, bool per_frame) {
     const auto one = values == "vertices" ? "vertex" : values.substr(0, values.size() - 1);
     const auto& worst = *part.sums.worst;
     auto out = per_frame ? fmt::format("frame {}, ", part.worst_frame) : std::string();
-    out += worst.index.size() == 1 ? fmt::format("{} {}", one, worst.index[0]) : fmt::format("{} [{}]", one, fmt::join(worst.index, ", "));
+    out += worst.index.size() == 1 ? fmt::format("{} {}", one, worst.index[0])
+                                   : fmt::format("{} [{}]", one, fmt::join(worst.index, ", "));
     if (worst.world) out += fmt::format(", world [{:.6g}]", fmt::join(*worst.world, ", "));
     return out;
 }

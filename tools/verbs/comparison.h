@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/base/frame_set.h"
 #include "tools/compare/file_comparer.h"
 #include "tools/verbs/sequences.h"
 
@@ -28,10 +29,11 @@ struct Thresholds {
 /// What is known of a part, such as a grid, over all frames.
 struct PartComparison {
     PartDifference sums;
-    int worst_frame = 0;                                           ///< of `sums.worst`
-    Verdict verdict = Verdict::same;                               ///< the worst of all frames
-    std::vector<int> differing;                                    ///< frames with the verdict `different`
-    std::vector<std::pair<std::string, std::vector<int>>> faults;  ///< PartDifference::faults, and the frames that have them
+    int worst_frame = 0;              ///< of `sums.worst`
+    Verdict verdict = Verdict::same;  ///< the worst of all frames
+    std::vector<int> differing;       ///< frames with the verdict `different`
+    std::vector<std::pair<std::string, std::vector<int>>>
+        faults;  ///< PartDifference::faults, and the frames that have them
 };
 
 /// Two sequences, or files, and what is known of them.

@@ -33,11 +33,14 @@ void write_all(int file, const std::string& text) {
 void confine(std::uint64_t memory, double seconds) {
     // The child must not survive a killed parent, nor loop forever.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    const rlimit time{static_cast<rlim_t>(seconds * std::max(1U, std::thread::hardware_concurrency())) + 1, RLIM_INFINITY};
+    const rlimit time{
+        static_cast<rlim_t>(seconds * std::max(1U, std::thread::hardware_concurrency())) + 1,
+        RLIM_INFINITY};
     setrlimit(RLIMIT_CPU, &time);
     const rlimit no_core{0, 0};
     setrlimit(RLIMIT_CORE, &no_core);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers' shadow memory takes terabytes
+#if !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)  // sanitizers' shadow memory takes terabytes
     const rlimit space{memory, memory};
     setrlimit(RLIMIT_AS, &space);
 #else
@@ -47,7 +50,8 @@ void confine(std::uint64_t memory, double seconds) {
     for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, file);
 }
 
-[[noreturn]] void run_child(const std::function<std::string()>& call, std::uint64_t memory, double seconds, int out) {
+[[noreturn]] void run_child(const std::function<std::string()>& call, std::uint64_t memory,
+                            double seconds, int out) {
     confine(memory, seconds);
     std::string answer;
     try {
@@ -64,10 +68,12 @@ void confine(std::uint64_t memory, double seconds) {
 /// Reads everything that the child writes. @return false if the time is over before
 bool read_all(int in, double seconds, std::string& text) {
     using Clock = std::chrono::steady_clock;
-    const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+    const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                        std::chrono::duration<double>(seconds));
     std::array<char, 65536> buffer;
     while (true) {
-        const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
+        const auto left =
+            std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
         if (left <= 0) return false;
         pollfd ready{in, POLLIN, 0};
         if (poll(&ready, 1, static_cast<int>(left)) <= 0) continue;
@@ -80,9 +86,11 @@ bool read_all(int in, double seconds, std::string& text) {
 
 }  // namespace
 
-Confined call_confined(const std::function<std::string()>& call, std::uint64_t memory, double seconds) {
+Confined call_confined(const std::function<std::string()>& call, std::uint64_t memory,
+                       double seconds) {
     std::array<int, 2> channel{};
-    if (pipe2(channel.data(), O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
+    if (pipe2(channel.data(), O_CLOEXEC) != 0)
+        throw std::system_error(errno, std::generic_category(), "pipe");
     const auto child = fork();
     if (child < 0) throw std::system_error(errno, std::generic_category(), "fork");
     if (child == 0) run_child(call, memory, seconds, channel[1]);
@@ -95,8 +103,10 @@ Confined call_confined(const std::function<std::string()>& call, std::uint64_t m
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) {}
     if (!in_time) return {Confined::End::too_slow, {}};
     if (WIFSIGNALED(status)) return {Confined::End::crashed, strsignal(WTERMSIG(status))};
-    if (answer.empty() || (answer[0] != returned && answer[0] != threw)) return {Confined::End::crashed, "no answer"};
-    return {answer[0] == returned ? Confined::End::returned : Confined::End::threw, answer.substr(1)};
+    if (answer.empty() || (answer[0] != returned && answer[0] != threw))
+        return {Confined::End::crashed, "no answer"};
+    return {answer[0] == returned ? Confined::End::returned : Confined::End::threw,
+            answer.substr(1)};
 }
 
 }  // namespace fluidcarve

@@ -13,10 +13,12 @@ struct Confined {
     std::string text;  ///< the returned text, the exception's message, or the name of the signal
 };
 
-/// Calls a function in a child process with limits, so that a hostile file can't crash or hang the program. Output of the call to
-/// stdout and stderr is discarded. Must be called before the program starts other threads.
+/// Calls a function in a child process with limits, so that a hostile file can't crash or hang the
+/// program. Output of the call to stdout and stderr is discarded. Must be called before the program
+/// starts other threads.
 /// @param memory   limit of the address space, bytes
 /// @param seconds  time after which the child is killed
-Confined call_confined(const std::function<std::string()>& call, std::uint64_t memory, double seconds);
+Confined call_confined(const std::function<std::string()>& call, std::uint64_t memory,
+                       double seconds);
 
 }  // namespace fluidcarve

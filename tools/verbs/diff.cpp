@@ -1,9 +1,10 @@
 #include "tools/verbs/diff.h"
 
+#include "carve/base/failure.h"
+#include "carve/base/frame_set.h"
+#include "carve/base/one_line.h"
+#include "carve/base/words.h"
 #include "graph/text/json_text.h"
-#include "graph/text/one_line.h"
-#include "graph/text/problem.h"
-#include "graph/text/words.h"
 #include "runtime/tell/exit_codes.h"
 #include "tools/compare/files.h"
 #include "tools/verbs/comparison.h"
@@ -46,7 +47,9 @@ struct DiffPair {
     SequenceComparison comparison;
     const FileComparer* comparer = nullptr;
 
-    FilePair files(int frame) const { return {comparison.a.path.at(frame), comparison.b.path.at(frame)}; }
+    FilePair files(int frame) const {
+        return {comparison.a.path.at(frame), comparison.b.path.at(frame)};
+    }
 };
 
 /// A frame of a pair: what is found, or why nothing is.
@@ -60,7 +63,8 @@ struct DiffFrame {
 /// The verb at work.
 class Diff {
 public:
-    Diff(const DiffRequest& request) : request_(request), thresholds_{request.tolerance, request.fail_percent} {}
+    Diff(const DiffRequest& request)
+        : request_(request), thresholds_{request.tolerance, request.fail_percent} {}
 
     int run() {
         check();
@@ -79,12 +83,18 @@ private:
     void check() {
         const auto& [absolute, relative, warn] = request_.tolerance;
         if (std::isfinite(warn) && warn > absolute)
-            throw WrongUse(fmt::format("--warn {:g} is above --fail {:g}: what it would warn of fails; give --fail a greater number", warn, absolute));
+            throw WrongUse(
+                fmt::format("--warn {:g} is above --fail {:g}: what it would warn of fails; give "
+                            "--fail a greater number",
+                            warn, absolute));
         if (!request_.picture.empty() && ending_of(request_.picture) != ".png")
-            throw WrongUse(fmt::format("--picture writes PNG: name a file that ends in .png, not {}", request_.picture));
+            throw WrongUse(fmt::format(
+                "--picture writes PNG: name a file that ends in .png, not {}", request_.picture));
         if (is_folder(request_.a) != is_folder(request_.b))
-            throw WrongUse(fmt::format("{} is a folder, but {} is none; name two folders, two sequences or two files",
-                                       is_folder(request_.a) ? request_.a : request_.b, is_folder(request_.a) ? request_.b : request_.a));
+            throw WrongUse(fmt::format(
+                "{} is a folder, but {} is none; name two folders, two sequences or two files",
+                is_folder(request_.a) ? request_.a : request_.b,
+                is_folder(request_.a) ? request_.b : request_.a));
         if (!request_.frames) return;
         std::string fault;
         wanted_ = FrameSet::parse(*request_.frames, fault);
@@ -100,57 +110,81 @@ private:
                 throw WrongUse(failure.what());
             }
         }();
-        if (out.frames.frames().empty()) throw Failure(fmt::format("{}: there is no file of any frame", argument), Failure::Kind::input);
+        if (out.frames.frames().empty())
+            throw Failure(fmt::format("{}: there is no file of any frame", argument),
+                          Failure::Kind::input);
         return out;
     }
 
     const FileComparer* comparer_of(const std::string& path) const {
         const auto ending = ending_of(path);
         for (const auto& comparer : comparers())
-            if (std::find(comparer.endings.begin(), comparer.endings.end(), ending) != comparer.endings.end()) return &comparer;
+            if (std::find(comparer.endings.begin(), comparer.endings.end(), ending) !=
+                comparer.endings.end())
+                return &comparer;
         return nullptr;
     }
 
     void match(const FileSequence& a, const FileSequence& b) {
         const auto* const comparer = comparer_of(a.path.text());
         std::vector<std::string> endings;
-        for (const auto& each : comparers()) endings.insert(endings.end(), each.endings.begin(), each.endings.end());
+        for (const auto& each : comparers())
+            endings.insert(endings.end(), each.endings.begin(), each.endings.end());
         for (const auto* const path : {&a.path.text(), &b.path.text()})
             if (!comparer_of(*path))
-                throw WrongUse(fmt::format("diff compares files that end in {}, and folders of them, not {}", fmt::join(endings, ", "), *path));
-        if (comparer_of(b.path.text()) != comparer) throw WrongUse(fmt::format("{} and {} are files of different kinds", a.path.text(), b.path.text()));
+                throw WrongUse(
+                    fmt::format("diff compares files that end in {}, and folders of them, not {}",
+                                fmt::join(endings, ", "), *path));
+        if (comparer_of(b.path.text()) != comparer)
+            throw WrongUse(fmt::format("{} and {} are files of different kinds", a.path.text(),
+                                       b.path.text()));
         if (a.per_frame() != b.per_frame())
-            throw WrongUse(fmt::format("{} is a sequence, but {} is one file; name two sequences or two files", (a.per_frame() ? a : b).path.text(),
-                                       (a.per_frame() ? b : a).path.text()));
-        if (wanted_ && !a.per_frame()) throw WrongUse(fmt::format("-f is for sequences; {} has no frame token such as ####", a.path.text()));
+            throw WrongUse(fmt::format(
+                "{} is a sequence, but {} is one file; name two sequences or two files",
+                (a.per_frame() ? a : b).path.text(), (a.per_frame() ? b : a).path.text()));
+        if (wanted_ && !a.per_frame())
+            throw WrongUse(fmt::format("-f is for sequences; {} has no frame token such as ####",
+                                       a.path.text()));
         DiffPair pair{{a, b, {}, {}, {}, {}}, comparer};
         const auto &in_a = a.frames.frames(), &in_b = b.frames.frames();
         std::vector<int> both, only_a, only_b;
-        std::set_intersection(in_a.begin(), in_a.end(), in_b.begin(), in_b.end(), std::back_inserter(both));
-        std::set_difference(in_a.begin(), in_a.end(), in_b.begin(), in_b.end(), std::back_inserter(only_a));
-        std::set_difference(in_b.begin(), in_b.end(), in_a.begin(), in_a.end(), std::back_inserter(only_b));
+        std::set_intersection(in_a.begin(), in_a.end(), in_b.begin(), in_b.end(),
+                              std::back_inserter(both));
+        std::set_difference(in_a.begin(), in_a.end(), in_b.begin(), in_b.end(),
+                            std::back_inserter(only_a));
+        std::set_difference(in_b.begin(), in_b.end(), in_a.begin(), in_a.end(),
+                            std::back_inserter(only_b));
         if (!wanted_) {
             pair.comparison.only_a = FrameSet(std::move(only_a));
             pair.comparison.only_b = FrameSet(std::move(only_b));
         }
         // A frame that is asked for and not there can't be read, and is reported as such.
         pair.comparison.frames = wanted_ ? *wanted_ : FrameSet(std::move(both));
-        for (const int frame : pair.comparison.frames.frames()) frames_.push_back({pairs_.size(), frame, {}, {}});
+        for (const int frame : pair.comparison.frames.frames())
+            frames_.push_back({pairs_.size(), frame, {}, {}});
         pairs_.push_back(std::move(pair));
     }
 
     void match_folders() {
         std::size_t others = 0;
         const auto wanted = [&](const std::string& path) { return comparer_of(path) != nullptr; };
-        const auto in_a = sequences_in(request_.a, wanted, others), in_b = sequences_in(request_.b, wanted, others);
-        const auto name = [](const FileSequence& sequence) { return fs::path(sequence.path.text()).filename().string(); };
-        const auto find = [&](const std::vector<FileSequence>& among, const FileSequence& wanted) {
-            return std::find_if(among.begin(), among.end(), [&](const auto& each) { return name(each) == name(wanted); });
+        const auto in_a = sequences_in(request_.a, wanted, others),
+                   in_b = sequences_in(request_.b, wanted, others);
+        const auto name = [](const FileSequence& sequence) {
+            return fs::path(sequence.path.text()).filename().string();
         };
-        for (const auto& [folder, all] : {std::pair(request_.a, &in_a), std::pair(request_.b, &in_b)})
-            if (all->empty()) throw Failure(fmt::format("{} holds no file that diff compares", folder), Failure::Kind::input);
+        const auto find = [&](const std::vector<FileSequence>& among, const FileSequence& wanted) {
+            return std::find_if(among.begin(), among.end(),
+                                [&](const auto& each) { return name(each) == name(wanted); });
+        };
+        for (const auto& [folder, all] :
+             {std::pair(request_.a, &in_a), std::pair(request_.b, &in_b)})
+            if (all->empty())
+                throw Failure(fmt::format("{} holds no file that diff compares", folder),
+                              Failure::Kind::input);
         for (const auto& sequence : in_a)
-            if (const auto other = find(in_b, sequence); other != in_b.end()) match(sequence, *other);
+            if (const auto other = find(in_b, sequence); other != in_b.end())
+                match(sequence, *other);
             else alone_.emplace_back("A", sequence.text());
         for (const auto& sequence : in_b)
             if (find(in_a, sequence) == in_a.end()) alone_.emplace_back("B", sequence.text());
@@ -159,9 +193,11 @@ private:
     DiffFrame& compare(DiffFrame& at) const {
         const auto& pair = pairs_[at.pair];
         try {
-            at.found = pair.comparer->compare(pair.files(at.frame), request_.tolerance, request_.memory);
+            at.found =
+                pair.comparer->compare(pair.files(at.frame), request_.tolerance, request_.memory);
         } catch (const std::bad_alloc&) {
-            at.fault = fmt::format("{}: there is not enough memory to compare it", pair.files(at.frame).a);
+            at.fault =
+                fmt::format("{}: there is not enough memory to compare it", pair.files(at.frame).a);
         } catch (const std::exception& error) {
             at.fault = error.what();
         }
@@ -172,18 +208,23 @@ private:
         const auto threads = static_cast<std::size_t>(request_.threads);
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
         std::size_t next = 0;
-        const auto feed = tbb::make_filter<void, DiffFrame*>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) -> DiffFrame* {
-            if (next == frames_.size()) return control.stop(), nullptr;
-            return &frames_[next++];
-        });
+        const auto feed = tbb::make_filter<void, DiffFrame*>(
+            tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) -> DiffFrame* {
+                if (next == frames_.size()) return control.stop(), nullptr;
+                return &frames_[next++];
+            });
         // Isolated: a thread that waits for a part of its frame must not begin another frame.
-        const auto work = tbb::make_filter<DiffFrame*, DiffFrame*>(tbb::filter_mode::parallel,
-                                                                   [&](DiffFrame* at) { return tbb::this_task_arena::isolate([&] { return &compare(*at); }); });
-        const auto gather = tbb::make_filter<DiffFrame*, void>(tbb::filter_mode::serial_in_order, [&](DiffFrame* at) {
-            if (at->fault.empty()) pairs_[at->pair].comparison.add(at->frame, at->found, thresholds_);
-            else faults_.push_back(at->fault);
-            at->found = {};
-        });
+        const auto work = tbb::make_filter<DiffFrame*, DiffFrame*>(
+            tbb::filter_mode::parallel, [&](DiffFrame* at) {
+                return tbb::this_task_arena::isolate([&] { return &compare(*at); });
+            });
+        const auto gather = tbb::make_filter<DiffFrame*, void>(
+            tbb::filter_mode::serial_in_order, [&](DiffFrame* at) {
+                if (at->fault.empty())
+                    pairs_[at->pair].comparison.add(at->frame, at->found, thresholds_);
+                else faults_.push_back(at->fault);
+                at->found = {};
+            });
         tbb::parallel_pipeline(threads, feed & work & gather);
     }
 
@@ -217,9 +258,12 @@ private:
         const PartComparison* worst = nullptr;
         for (const auto& pair : pairs_)
             for (const auto& part : pair.comparison.parts)
-                if (pair.comparer->draw && part.sums.worst && (!worst || part.sums.peak > worst->sums.peak)) from = &pair, worst = &part;
+                if (pair.comparer->draw && part.sums.worst &&
+                    (!worst || part.sums.peak > worst->sums.peak))
+                    from = &pair, worst = &part;
         if (!worst) {
-            const auto line = fmt::format("{} is not written: no values of grids or images differ\n", request_.picture);
+            const auto line = fmt::format(
+                "{} is not written: no values of grids or images differ\n", request_.picture);
             std::fwrite(line.data(), 1, line.size(), stderr);
             return;
         }
@@ -228,9 +272,11 @@ private:
         const auto files = from->files(per_frame ? worst->worst_frame : 1);
         for (const auto* const path : {&files.a, &files.b}) {
             std::error_code ignored;
-            if (fs::equivalent(*path, request_.picture, ignored)) throw WrongUse(fmt::format("--picture would overwrite {}", *path));
+            if (fs::equivalent(*path, request_.picture, ignored))
+                throw WrongUse(fmt::format("--picture would overwrite {}", *path));
         }
-        const auto title = fmt::format("{}: peak {:.4g}, {}", worst->sums.name, worst->sums.peak, place_of(*worst, per_frame));
+        const auto title = fmt::format("{}: peak {:.4g}, {}", worst->sums.name, worst->sums.peak,
+                                       place_of(*worst, per_frame));
         from->comparer->draw(files, worst->sums, title, request_.picture);
     }
 
@@ -239,7 +285,8 @@ private:
     std::optional<FrameSet> wanted_;
     std::vector<DiffPair> pairs_;
     std::vector<DiffFrame> frames_;
-    std::vector<std::pair<std::string, std::string>> alone_;  ///< "A" or "B", and what the other folder lacks
+    std::vector<std::pair<std::string, std::string>>
+        alone_;  ///< "A" or "B", and what the other folder lacks
     std::vector<std::string> faults_;
 };
 
@@ -255,7 +302,9 @@ int diff_files(const DiffRequest& request) {
     } catch (const WrongUse& fault) {
         return wrong(fmt::format("{}\n", fault.what()), exit_code::usage);
     } catch (const Failure& failure) {
-        return wrong(fmt::format("failed: {}\n", one_line(failure.what())), failure.kind == Failure::Kind::input ? exit_code::input : exit_code::node_failed);
+        return wrong(
+            fmt::format("failed: {}\n", one_line(failure.what())),
+            failure.kind == Failure::Kind::input ? exit_code::input : exit_code::node_failed);
     }
 }
 

@@ -12,24 +12,29 @@ namespace fluidcarve {
 /// The files that a pipeline is drafted for.
 struct DraftFiles {
     FileSequence sequence;
-    std::vector<nlohmann::ordered_json> facts;  ///< of some frames, from the first to the last (FileInspector::look)
-    std::vector<std::string> notes;             ///< what is wrong between them, for people
+    std::vector<nlohmann::ordered_json>
+        facts;  ///< of some frames, from the first to the last (FileInspector::look)
+    std::vector<std::string> notes;  ///< what is wrong between them, for people
 
     /// "plume" of "sim/plume.####.vdb".
     std::string stem() const;
-    /// A request with these files, and all else as it is by default. @param folder  base of the input's path; empty: the current folder
+    /// A request with these files, and all else as it is by default.
+    /// @param folder  base of the input's path; empty: the current folder
     DraftRequest request(const std::string& folder) const;
 };
 
 /// What is done of a folder with several sequences.
 enum class Several {
-    chosen,   ///< takes that of most frames, of these that of the largest files; one whose frames do not fit together only if all are so
+    chosen,  ///< takes that of most frames, of these that of the largest files; one whose frames do
+             ///< not fit together only if all are so
     refused,  ///< none
 };
 
 /// Looks at up to five files of a sequence. It trusts them, as `run` does.
-/// @param argument  a file, a path with frame tokens, or a folder: its volumes; if it has none its meshes, points and curves; else its images
-/// @throws Failure (input) if there is no such file, or one that can't be read; Failure if the argument is no such path
+/// @param argument  a file, a path with frame tokens, or a folder: its volumes; if it has none its
+///   meshes, points and curves; else its images
+/// @throws Failure (input) if there is no such file, or one that can't be read; Failure if the
+///   argument is no such path
 DraftFiles look_at_draft_files(const std::string& argument, Several several);
 
 }  // namespace fluidcarve

@@ -1,7 +1,7 @@
 #include "tools/verbs/explain.h"
 
+#include "carve/base/one_line.h"
 #include "graph/text/json_text.h"
-#include "graph/text/one_line.h"
 #include "runtime/tell/exit_codes.h"
 #include "tools/provenance/read_provenance.h"
 #include "tools/verbs/read_confined.h"
@@ -35,12 +35,16 @@ int explain_file(const std::string& path, bool json, std::uint64_t memory) {
     } else if (!found) {
         std::fputs(fmt::format("failed: {}\n", one_line(fault)).c_str(), stderr);
     } else if (found->empty()) {
-        std::fputs(fmt::format("{} does not state what made it: no run of fluidcarve wrote it, or one with 'provenance: false'\n", one_line(path)).c_str(),
+        std::fputs(fmt::format("{} does not state what made it: no run of fluidcarve wrote it, or "
+                               "one with 'provenance: false'\n",
+                               one_line(path))
+                       .c_str(),
                    stderr);
     } else {
         // A file may state anything: none of it reaches a terminal but as a line of text.
         std::string out = one_line(path) + "\n";
-        for (const auto& [name, text] : found->items()) out += fmt::format("  {:<9} {}\n", name + ":", one_line(text.get<std::string>()));
+        for (const auto& [name, text] : found->items())
+            out += fmt::format("  {:<9} {}\n", name + ":", one_line(text.get<std::string>()));
         std::fputs(out.c_str(), stdout);
     }
     return found && !found->empty() ? exit_code::done : exit_code::input;

@@ -25,7 +25,10 @@ struct FarmArguments {
     void declare(CLI::App& verb, PipelineArguments& pipeline, RunArguments& run);
 };
 
-/// The verb `farm`: makes a job of a run and hands it to an engine. @param command  the words of the command line @return an exit code
-int farm(const FarmArguments& arguments, const PipelineArguments& pipeline, RunArguments& run, const std::vector<std::string>& command, Registry& registry);
+/// The verb `farm`: makes a job of a run and hands it to an engine.
+/// @param command  the words of the command line
+/// @return an exit code
+int farm(const FarmArguments& arguments, const PipelineArguments& pipeline, RunArguments& run,
+         const std::vector<std::string>& command, Registry& registry);
 
 }  // namespace fluidcarve

@@ -1,7 +1,7 @@
 #include "tools/verbs/init.h"
 
+#include "formats/file/output_file.h"
 #include "graph/build_pipeline.h"
-#include "graph/output_file.h"
 #include "runtime/tell/exit_codes.h"
 #include "tools/draft/draft.h"
 #include "tools/verbs/arguments.h"
@@ -17,19 +17,25 @@
 namespace fluidcarve {
 
 void InitArguments::declare(CLI::App& verb) {
-    verb.add_option("files", files, "A sequence such as smoke.####.vdb, a file, or a folder: its longest sequence")->required()->type_name("FILES");
-    verb.add_option("-o,--out", out, "The pipeline to write; it must not exist (default: print it)")->type_name("SHOT.yaml");
+    verb.add_option("files", files,
+                    "A sequence such as smoke.####.vdb, a file, or a folder: its longest sequence")
+        ->required()
+        ->type_name("FILES");
+    verb.add_option("-o,--out", out, "The pipeline to write; it must not exist (default: print it)")
+        ->type_name("SHOT.yaml");
 }
 
 int init_pipeline(const InitArguments& arguments, const Registry& registry) {
     namespace fs = std::filesystem;
     std::error_code ignored;
     if (!arguments.out.empty() && fs::exists(arguments.out, ignored))
-        return complain(fmt::format("-o: {} exists already; name another file\n", arguments.out)), exit_code::usage;
+        return complain(fmt::format("-o: {} exists already; name another file\n", arguments.out)),
+               exit_code::usage;
     try {
         const auto files = look_at_draft_files(arguments.files, Several::chosen);
         auto request = files.request(fs::path(arguments.out).parent_path().string());
-        const auto folder = std::string("out/"), ending = fs::path(files.sequence.path.text()).extension().string();
+        const auto folder = std::string("out/"),
+                   ending = fs::path(files.sequence.path.text()).extension().string();
         request.out = folder + fs::path(files.sequence.path.text()).filename().string();
         request.seams = folder + files.stem() + "_seams.vdb";
         request.sheet = folder + files.stem() + "_sheet.png";
@@ -43,10 +49,12 @@ int init_pipeline(const InitArguments& arguments, const Registry& registry) {
         for (const auto& note : files.notes) complain(fmt::format("warning: {}\n", note));
         if (arguments.out.empty()) return print(source->text), exit_code::done;
         OutputFile::write(arguments.out, source->text);
-        complain(fmt::format("{} is written; next: fluidcarve run {}\n", arguments.out, arguments.out));
+        complain(
+            fmt::format("{} is written; next: fluidcarve run {}\n", arguments.out, arguments.out));
         return exit_code::done;
     } catch (const Failure& failure) {
-        return complain(fmt::format("{}\n", failure.what())), failure.kind == Failure::Kind::input ? exit_code::input : exit_code::usage;
+        return complain(fmt::format("{}\n", failure.what())),
+               failure.kind == Failure::Kind::input ? exit_code::input : exit_code::usage;
     }
 }
 

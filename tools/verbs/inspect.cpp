@@ -1,8 +1,9 @@
 #include "tools/verbs/inspect.h"
 
+#include "carve/base/frame_set.h"
+#include "carve/base/one_line.h"
+#include "carve/base/words.h"
 #include "graph/text/json_text.h"
-#include "graph/text/one_line.h"
-#include "graph/text/words.h"
 #include "runtime/run/run.h"
 #include "tools/inspect/inspectors.h"
 #include "tools/verbs/read_confined.h"
@@ -27,7 +28,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Not fmt::print: it throws if the output is a file on a full disk.
-void tell(std::FILE* where, const std::string& text) { std::fwrite(text.data(), 1, text.size(), where); }
+void tell(std::FILE* where, const std::string& text) {
+    std::fwrite(text.data(), 1, text.size(), where);
+}
 
 /// The verb at work: prints what it looks at, and keeps it for JSON.
 class Inspection {
@@ -41,7 +44,8 @@ public:
         for (const int frame : sequence.frames.frames()) paths.push_back(sequence.path.at(frame));
         constexpr std::size_t at_once = 32;
         for (std::size_t begin = 0; begin < paths.size(); begin += at_once) {
-            const auto some = std::span(paths).subspan(begin, std::min(at_once, paths.size() - begin));
+            const auto some =
+                std::span(paths).subspan(begin, std::min(at_once, paths.size() - begin));
             auto outcomes = read_confined(some, inspector.look, memory_);
             for (std::size_t n = 0; n < some.size(); ++n) {
                 const int frame = sequence.frames.frames()[begin + n];
@@ -84,21 +88,26 @@ public:
         all_["folders"].push_back({{"folder", folder}, {"other_files", others}});
         if (!json_ && others > 0)
             tell(stdout,
-                 fmt::format("{}: {} not looked at\n", folder, others == 1 ? "1 file of another kind is" : fmt::format("{} files of other kinds are", others)));
+                 fmt::format("{}: {} not looked at\n", folder,
+                             others == 1 ? "1 file of another kind is"
+                                         : fmt::format("{} files of other kinds are", others)));
     }
 
 private:
-    void summarise(const FileSequence& sequence, const std::vector<LookedAt>& seen, const FileInspector& inspector) {
+    void summarise(const FileSequence& sequence, const std::vector<LookedAt>& seen,
+                   const FileInspector& inspector) {
         std::vector<int> frames;
         for (const auto& each : seen) frames.push_back(each.frame);
         const FileSequence there{sequence.path, FrameSet(std::move(frames))};
-        Json entry{{"path", there.path.text()}, {"frames", there.frames.text()}, {"count", seen.size()}};
+        Json entry{
+            {"path", there.path.text()}, {"frames", there.frames.text()}, {"count", seen.size()}};
         auto summary = summary_of(seen, inspector);
         if (!json_) {
             auto titled = summary;
             titled["file"] = fmt::format("{}, {}", there.text(), counted(seen.size(), "file"));
             tell(stdout, inspector.text(titled));
-            for (const auto& change : summary["changes"]) tell(stdout, fmt::format("  changes: {}\n", change.get<std::string>()));
+            for (const auto& change : summary["changes"])
+                tell(stdout, fmt::format("  changes: {}\n", change.get<std::string>()));
         }
         entry.update(summary);
         all_["sequences"].push_back(std::move(entry));
@@ -118,19 +127,25 @@ private:
     std::uint64_t memory_;
     int code_ = exit_code::done;
     std::map<const FileInspector*, std::vector<Json>> alone_;
-    Json all_{{"files", Json::array()}, {"notes", Json::array()}, {"sequences", Json::array()}, {"folders", Json::array()}};
+    Json all_{{"files", Json::array()},
+              {"notes", Json::array()},
+              {"sequences", Json::array()},
+              {"folders", Json::array()}};
 };
 
 }  // namespace
 
 int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_t memory) {
     std::vector<std::string> endings, files;
-    for (const auto& inspector : inspectors()) endings.insert(endings.end(), inspector.endings.begin(), inspector.endings.end());
+    for (const auto& inspector : inspectors())
+        endings.insert(endings.end(), inspector.endings.begin(), inspector.endings.end());
     const auto known = [&](const std::string& path) { return inspector_of(path) != nullptr; };
     std::error_code ignored;
     for (const auto& path : paths)
         if (!std::filesystem::is_directory(path, ignored) && !known(path)) {
-            tell(stderr, fmt::format("inspect reads files that end in {}, and folders of them, not {}\n", fmt::join(endings, ", "), path));
+            tell(stderr,
+                 fmt::format("inspect reads files that end in {}, and folders of them, not {}\n",
+                             fmt::join(endings, ", "), path));
             return exit_code::usage;
         }
 
@@ -142,7 +157,9 @@ int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_
     const auto look_into = [&](const std::string& folder) {
         std::size_t others = 0;
         const auto sequences = sequences_in(folder, known, others);
-        if (sequences.empty()) return inspection.fail(fmt::format("{} holds no file that ends in {}", folder, fmt::join(endings, ", ")));
+        if (sequences.empty())
+            return inspection.fail(
+                fmt::format("{} holds no file that ends in {}", folder, fmt::join(endings, ", ")));
         for (const auto& sequence : sequences) inspection.look_at(sequence);
         inspection.tell_of(folder, others);
     };
@@ -152,14 +169,16 @@ int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_
         if (!folder && !sequence.per_frame()) return files.push_back(path);
         look_at_files();
         if (folder) look_into(path);
-        else if (sequence.frames.frames().empty()) inspection.fail(fmt::format("{}: there is no file of any frame", path));
+        else if (sequence.frames.frames().empty())
+            inspection.fail(fmt::format("{}: there is no file of any frame", path));
         else inspection.look_at(sequence);
     };
     for (const auto& path : paths) {
         try {
             take(path);
         } catch (const Failure& failure) {
-            if (failure.kind != Failure::Kind::input) return tell(stderr, fmt::format("{}\n", failure.what())), exit_code::usage;
+            if (failure.kind != Failure::Kind::input)
+                return tell(stderr, fmt::format("{}\n", failure.what())), exit_code::usage;
             inspection.fail(failure.what());
         }
     }

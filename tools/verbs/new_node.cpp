@@ -14,17 +14,20 @@
 namespace fluidcarve {
 namespace {
 
-/// Whether a name has the form FAMILY.NAME: both parts begin with a letter, and hold small letters, digits and single underscores.
+/// Whether a name has the form FAMILY.NAME: both parts begin with a letter, and hold small letters,
+/// digits and single underscores.
 bool well_formed(const std::string& name) {
     const auto dot = name.find('.');
     if (dot == std::string::npos) return false;
     const auto is_word = [](std::string_view word) {
         const auto small = [](char c) { return c >= 'a' && c <= 'z'; };
         const auto fits = [&](char c) { return small(c) || (c >= '0' && c <= '9') || c == '_'; };
-        return !word.empty() && small(word.front()) && word.back() != '_' && std::all_of(word.begin(), word.end(), fits) &&
+        return !word.empty() && small(word.front()) && word.back() != '_' &&
+               std::all_of(word.begin(), word.end(), fits) &&
                word.find("__") == std::string_view::npos;
     };
-    return is_word(std::string_view(name).substr(0, dot)) && is_word(std::string_view(name).substr(dot + 1));
+    return is_word(std::string_view(name).substr(0, dot)) &&
+           is_word(std::string_view(name).substr(dot + 1));
 }
 
 namespace fs = std::filesystem;
@@ -32,16 +35,23 @@ namespace fs = std::filesystem;
 /// What is wrong with the name of a new node type; empty: nothing.
 std::string fault_of(const std::string& name, const Registry& registry) {
     if (!well_formed(name))
-        return fmt::format("'{}' can't name a new node type: a name is FAMILY.NAME, such as acme.sparkle, in lower-case letters, digits and single _", name);
+        return fmt::format(
+            "'{}' can't name a new node type: a name is FAMILY.NAME, such as acme.sparkle, in "
+            "lower-case letters, digits and single _",
+            name);
     const auto dot = name.find('.');
     const auto family = name.substr(0, dot);
     for (const auto& known : registry.node_names())
         if (known.starts_with(family + "."))
-            return fmt::format("'{}' can't name a new node type: the family '{}' is a built-in one, of '{}'; use one of your own, such as acme.{}", name,
-                               family, known, name.substr(dot + 1));
+            return fmt::format(
+                "'{}' can't name a new node type: the family '{}' is a built-in one, of '{}'; use "
+                "one of your own, such as acme.{}",
+                name, family, known, name.substr(dot + 1));
     if (name.substr(dot + 1) == "plugin")
-        return fmt::format("'{}' can't name a new node type: its source would be plugin.cpp, which every plugin has for another purpose; choose another name",
-                           name);
+        return fmt::format(
+            "'{}' can't name a new node type: its source would be plugin.cpp, which every plugin "
+            "has for another purpose; choose another name",
+            name);
     return {};
 }
 
@@ -50,54 +60,90 @@ std::string as_type(const std::string& name) {
     std::string out;
     bool start = true;
     for (const char letter : name) {
-        if (letter != '_') out += start ? static_cast<char>(std::toupper(static_cast<unsigned char>(letter))) : letter;
+        if (letter != '_')
+            out += start ? static_cast<char>(std::toupper(static_cast<unsigned char>(letter)))
+                         : letter;
         start = letter == '_';
     }
     return out;
 }
 
-std::string filled(std::string_view text, const std::vector<std::pair<std::string, std::string>>& names) {
+std::string filled(std::string_view text,
+                   const std::vector<std::pair<std::string, std::string>>& names) {
     std::string out(text);
     for (const auto& [name, value] : names)
-        for (std::size_t at = 0; (at = out.find(name, at)) != std::string::npos; at += value.size()) out.replace(at, name.size(), value);
+        for (std::size_t at = 0; (at = out.find(name, at)) != std::string::npos; at += value.size())
+            out.replace(at, name.size(), value);
     return out;
 }
 
-int complain(const std::string& message, int code) { return std::fputs((message + "\n").c_str(), stderr), code; }
+int complain(const std::string& message, int code) {
+    return std::fputs((message + "\n").c_str(), stderr), code;
+}
 
 }  // namespace
 
 int write_new_node(const NewNode& wanted, const Registry& registry) {
-    if (const auto fault = fault_of(wanted.name, registry); !fault.empty()) return complain(fault, exit_code::usage);
+    if (const auto fault = fault_of(wanted.name, registry); !fault.empty())
+        return complain(fault, exit_code::usage);
     const auto dot = wanted.name.find('.');
-    const auto family = wanted.name.substr(0, dot), name = wanted.name.substr(dot + 1), library = family + "_" + name;
+    const auto family = wanted.name.substr(0, dot), name = wanted.name.substr(dot + 1),
+               library = family + "_" + name;
     const fs::path folder = wanted.folder.empty() ? library : wanted.folder;
     std::error_code error;
-    if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
-        return complain(fmt::format("{} already exists and is not overwritten; choose another --folder, or remove it", folder.string()), exit_code::usage);
+    if (fs::exists(folder, error) &&
+        !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
+        return complain(
+            fmt::format(
+                "{} already exists and is not overwritten; choose another --folder, or remove it",
+                folder.string()),
+            exit_code::usage);
     fs::create_directories(folder, error);
-    if (error) return complain(fmt::format("cannot make the folder {}: {}", folder.string(), error.message()), exit_code::node_failed);
+    if (error)
+        return complain(
+            fmt::format("cannot make the folder {}: {}", folder.string(), error.message()),
+            exit_code::node_failed);
 
     const std::string kind = wanted.solver ? "solver" : "energy";
     const std::vector<std::pair<std::string, std::string>> script{
-        {name + ".py", "python.py"}, {name + "_test.py", "python_test.py"}, {"example.yaml", "python.yaml"}, {"README.md", "python.md"}};
+        {name + ".py", "python.py"},
+        {name + "_test.py", "python_test.py"},
+        {"example.yaml", "python.yaml"},
+        {"README.md", "python.md"}};
     const std::vector<std::pair<std::string, std::string>> plugin{
-        {name + ".h", kind + ".h"},   {name + ".cpp", kind + ".cpp"},       {name + "_test.cpp", kind + "_test.cpp"},
-        {"plugin.cpp", "plugin.cpp"}, {"CMakeLists.txt", "CMakeLists.txt"}, {"example.yaml", kind + ".yaml"},
+        {name + ".h", kind + ".h"},
+        {name + ".cpp", kind + ".cpp"},
+        {name + "_test.cpp", kind + "_test.cpp"},
+        {"plugin.cpp", "plugin.cpp"},
+        {"CMakeLists.txt", "CMakeLists.txt"},
+        {"example.yaml", kind + ".yaml"},
         {"README.md", "README.md"}};
-    const std::vector<std::pair<std::string, std::string>> names{
-        {"{{family}}", family}, {"{{name}}", name}, {"{{Name}}", as_type(name)}, {"{{type}}", wanted.name}, {"{{folder}}", library}};
+    const std::vector<std::pair<std::string, std::string>> names{{"{{family}}", family},
+                                                                 {"{{name}}", name},
+                                                                 {"{{Name}}", as_type(name)},
+                                                                 {"{{type}}", wanted.name},
+                                                                 {"{{folder}}", library}};
     for (const auto& [file, text] : wanted.python ? script : plugin) {
         std::ofstream out(folder / file, std::ios::binary);
         out << filled(new_node_texts().at(text), names);
         out.close();
-        if (!out) return complain(fmt::format("cannot write {}", (folder / file).string()), exit_code::node_failed);
+        if (!out)
+            return complain(fmt::format("cannot write {}", (folder / file).string()),
+                            exit_code::node_failed);
     }
     if (wanted.python)
-        std::fputs(fmt::format("{}: an energy in Python with its test and a pipeline; its README.md says how to run it\n", folder.string()).c_str(), stdout);
-    else
-        std::fputs(fmt::format("{}: a complete plugin with the {} {}, ready to build; its README.md says how\n", folder.string(), kind, wanted.name).c_str(),
+        std::fputs(fmt::format("{}: an energy in Python with its test and a pipeline; its "
+                               "README.md says how to run it\n",
+                               folder.string())
+                       .c_str(),
                    stdout);
+    else
+        std::fputs(
+            fmt::format(
+                "{}: a complete plugin with the {} {}, ready to build; its README.md says how\n",
+                folder.string(), kind, wanted.name)
+                .c_str(),
+            stdout);
     return exit_code::done;
 }
 

@@ -13,7 +13,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Time limit for reading files, in seconds: short for small files, in case the reader loops; for large files as long as a slow disk needs.
+/// Time limit for reading files, in seconds: short for small files, in case the reader loops; for
+/// large files as long as a slow disk needs.
 double patience(std::span<const std::string> paths) {
     constexpr double least = 6, bytes_per_second = 2e7;
     double seconds = least;
@@ -46,7 +47,8 @@ ReadFile outcome_of(const std::string& path, const Json& answer) {
 
 }  // namespace
 
-std::vector<ReadFile> read_confined(std::span<const std::string> paths, const ReadFacts& read, std::uint64_t memory) {
+std::vector<ReadFile> read_confined(std::span<const std::string> paths, const ReadFacts& read,
+                                    std::uint64_t memory) {
     const double seconds = patience(paths);
     const auto answer = call_confined(
         [&] {
@@ -56,19 +58,33 @@ std::vector<ReadFile> read_confined(std::span<const std::string> paths, const Re
         },
         memory, seconds);
     std::vector<ReadFile> out;
-    const auto all = answer.end == Confined::End::returned ? Json::parse(answer.text, nullptr, false) : Json();
+    const auto all =
+        answer.end == Confined::End::returned ? Json::parse(answer.text, nullptr, false) : Json();
     if (all.is_array() && all.size() == paths.size()) {
         for (std::size_t n = 0; n < paths.size(); ++n) out.push_back(outcome_of(paths[n], all[n]));
     } else if (paths.size() > 1) {
-        for (const auto& path : paths) out.push_back(read_confined(std::span(&path, 1), read, memory).front());
+        for (const auto& path : paths)
+            out.push_back(read_confined(std::span(&path, 1), read, memory).front());
     } else {
         const auto& path = paths.front();
         switch (answer.end) {
-            case Confined::End::returned: out.push_back({{}, fmt::format("{} is damaged: its reader gave no sensible answer", path)}); break;
-            case Confined::End::threw: out.push_back({{}, fmt::format("{}: {}", path, answer.text)}); break;
-            case Confined::End::crashed: out.push_back({{}, fmt::format("{} is damaged: its reader crashed ({})", path, answer.text)}); break;
+            case Confined::End::returned:
+                out.push_back(
+                    {{}, fmt::format("{} is damaged: its reader gave no sensible answer", path)});
+                break;
+            case Confined::End::threw:
+                out.push_back({{}, fmt::format("{}: {}", path, answer.text)});
+                break;
+            case Confined::End::crashed:
+                out.push_back(
+                    {{}, fmt::format("{} is damaged: its reader crashed ({})", path, answer.text)});
+                break;
             case Confined::End::too_slow:
-                out.push_back({{}, fmt::format("{} is damaged, or very large: its reader was stopped after {:.0f} s", path, seconds)});
+                out.push_back(
+                    {{},
+                     fmt::format(
+                         "{} is damaged, or very large: its reader was stopped after {:.0f} s",
+                         path, seconds)});
                 break;
         }
     }

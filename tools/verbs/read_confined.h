@@ -20,10 +20,11 @@ struct ReadFile {
 /// Returns what is in a file. @throws std::exception
 using ReadFacts = std::function<nlohmann::ordered_json(const std::string& path)>;
 
-/// Reads data files in one child process with limits (call_confined), and each in one of its own if that fails. Small files have a short
-/// time, large ones as long as a slow disk takes.
+/// Reads data files in one child process with limits (call_confined), and each in one of its own if
+/// that fails. Small files have a short time, large ones as long as a slow disk takes.
 /// @param memory  limit of the memory, bytes
 /// @return one entry per path
-std::vector<ReadFile> read_confined(std::span<const std::string> paths, const ReadFacts& read, std::uint64_t memory);
+std::vector<ReadFile> read_confined(std::span<const std::string> paths, const ReadFacts& read,
+                                    std::uint64_t memory);
 
 }  // namespace fluidcarve

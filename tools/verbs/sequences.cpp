@@ -1,6 +1,6 @@
 #include "tools/verbs/sequences.h"
 
-#include "graph/text/problem.h"
+#include "carve/base/failure.h"
 #include "graph/types/frame_files.h"
 
 #include <fmt/format.h>
@@ -20,7 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A path in three parts, the middle one the digits right before its ending; no digits: it has none.
+/// A path in three parts, the middle one the digits right before its ending; no digits: it has
+/// none.
 struct Numbered {
     std::string before, digits, ending;
 };
@@ -30,7 +31,8 @@ Numbered numbered(const std::string& path) {
     const auto ending = fs::path(name).extension().string();
     const auto stem = path.substr(0, path.size() - ending.size());
     auto begin = stem.size();
-    while (begin > path.size() - name.size() && stem[begin - 1] >= '0' && stem[begin - 1] <= '9') --begin;
+    while (begin > path.size() - name.size() && stem[begin - 1] >= '0' && stem[begin - 1] <= '9')
+        --begin;
     return {stem.substr(0, begin), stem.substr(begin), ending};
 }
 
@@ -41,7 +43,8 @@ std::optional<int> number_in(std::string_view text) {
     return error == std::errc{} ? std::optional(out) : std::nullopt;
 }
 
-/// All paths as one sequence; nothing if they do not share a number of digits, or would not be found again by a path with a token.
+/// All paths as one sequence; nothing if they do not share a number of digits, or would not be
+/// found again by a path with a token.
 std::optional<FileSequence> as_one(const std::vector<std::string>& paths) {
     const auto parts = numbered(paths.front());
     auto digits = parts.digits.size();
@@ -60,7 +63,9 @@ FileSequence alone(const std::string& path) { return {PathPattern::literal(path)
 
 }  // namespace
 
-std::string FileSequence::text() const { return per_frame() ? fmt::format("{} {}", path.text(), frames.text()) : path.text(); }
+std::string FileSequence::text() const {
+    return per_frame() ? fmt::format("{} {}", path.text(), frames.text()) : path.text();
+}
 
 std::vector<FileSequence> sequences_of(const std::vector<std::string>& paths) {
     using Key = std::pair<std::string, std::string>;
@@ -76,13 +81,16 @@ std::vector<FileSequence> sequences_of(const std::vector<std::string>& paths) {
     std::vector<FileSequence> out;
     for (const auto& key : order) {
         const auto& files = groups[key];
-        if (auto sequence = files.size() > 1 ? as_one(files) : std::nullopt) out.push_back(std::move(*sequence));
+        if (auto sequence = files.size() > 1 ? as_one(files) : std::nullopt)
+            out.push_back(std::move(*sequence));
         else std::transform(files.begin(), files.end(), std::back_inserter(out), alone);
     }
     return out;
 }
 
-std::vector<FileSequence> sequences_in(const std::string& folder, const std::function<bool(const std::string& path)>& wanted, std::size_t& others) {
+std::vector<FileSequence> sequences_in(const std::string& folder,
+                                       const std::function<bool(const std::string& path)>& wanted,
+                                       std::size_t& others) {
     auto paths = files_in(folder);
     const auto all = paths.size();
     std::erase_if(paths, [&](const auto& path) { return !wanted(path); });
@@ -96,10 +104,14 @@ FileSequence named_sequence(const std::string& argument) {
     // A file may have any name.
     if (fs::exists(argument, ignored)) return alone(argument);
     const PathPattern pattern(argument);
-    if (!pattern.bad_token().empty()) throw Failure(fmt::format("{} has '{}', which is no frame token; write #### or %04d", argument, pattern.bad_token()));
+    if (!pattern.bad_token().empty())
+        throw Failure(fmt::format("{} has '{}', which is no frame token; write #### or %04d",
+                                  argument, pattern.bad_token()));
     if (!pattern.per_frame()) return alone(argument);
     auto frames = frames_there(pattern);
-    if (!frames) throw Failure(fmt::format("{} has a frame token in its folder; name the files of one folder", argument));
+    if (!frames)
+        throw Failure(fmt::format(
+            "{} has a frame token in its folder; name the files of one folder", argument));
     return {pattern, std::move(*frames)};
 }
 

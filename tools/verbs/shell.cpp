@@ -70,18 +70,23 @@ std::vector<std::string> flags_of(const CLI::App& app) {
     return out;
 }
 
-/// What completes a word, as shell code that bash and zsh share: it sets `chosen` to the words that may stand here, and leaves it empty for
-/// files. It reads `word`, `before` (the word before), `verb`, and `at` (the word's index).
+/// What completes a word, as shell code that bash and zsh share: it sets `chosen` to the words that
+/// may stand here, and leaves it empty for files. It reads `word`, `before` (the word before),
+/// `verb`, and `at` (the word's index).
 std::string chosen_words(const CLI::App& app) {
     std::vector<std::string> names;
     std::string flags, values;
     for (const auto* const verb : verbs(app)) {
         names.push_back(verb->get_name());
-        flags += fmt::format("        {}) chosen=\"{}\" ;;\n", verb->get_name(), joined(flags_of(*verb)));
+        flags += fmt::format("        {}) chosen=\"{}\" ;;\n", verb->get_name(),
+                             joined(flags_of(*verb)));
         for (const auto* const option : options(*verb))
             if (const auto all = choices(*option); !all.empty())
-                values += fmt::format("        {}:{}) chosen=\"{}\" ;;\n", verb->get_name(),
-                                      option->get_lnames().empty() ? verb->get_name() : "--" + option->get_lnames().front(), joined(all));
+                values +=
+                    fmt::format("        {}:{}) chosen=\"{}\" ;;\n", verb->get_name(),
+                                option->get_lnames().empty() ? verb->get_name()
+                                                             : "--" + option->get_lnames().front(),
+                                joined(all));
     }
     return fmt::format(R"(    if [ "$at" -eq 1 ]; then
         chosen="{} --help --version"
@@ -99,8 +104,10 @@ std::string chosen_words(const CLI::App& app) {
 
 std::string bash_completion(const CLI::App& app) {
     return fmt::format(R"(_fluidcarve() {{
-    local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}} verb=${{COMP_WORDS[1]}} at=$COMP_CWORD chosen=""
-{}    if [ -n "$chosen" ]; then COMPREPLY=($(compgen -W "$chosen" -- "$word")); else COMPREPLY=($(compgen -f -- "$word")); fi
+    local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}}
+    local verb=${{COMP_WORDS[1]}} at=$COMP_CWORD chosen=""
+{}    if [ -n "$chosen" ]; then COMPREPLY=($(compgen -W "$chosen" -- "$word"))
+    else COMPREPLY=($(compgen -f -- "$word")); fi
 }}
 complete -o filenames -F _fluidcarve fluidcarve
 )",
@@ -111,10 +118,12 @@ complete -o filenames -F _fluidcarve fluidcarve
 std::string zsh_completion(const CLI::App& app) {
     return fmt::format(R"(#compdef fluidcarve
 _fluidcarve() {{
-    local word=${{words[CURRENT]}} before=${{words[CURRENT-1]}} verb=${{words[2]}} at=$((CURRENT - 1)) chosen=""
+    local word=${{words[CURRENT]}} before=${{words[CURRENT-1]}} verb=${{words[2]}}
+    local at=$((CURRENT - 1)) chosen=""
 {}    if [ -n "$chosen" ]; then compadd -- ${{=chosen}}; else _files; fi
 }}
-if [ "${{funcstack[1]}}" = _fluidcarve ]; then _fluidcarve "$@"; else compdef _fluidcarve fluidcarve; fi
+if [ "${{funcstack[1]}}" = _fluidcarve ]; then _fluidcarve "$@"
+else compdef _fluidcarve fluidcarve; fi
 )",
                        chosen_words(app));
 }
@@ -122,50 +131,69 @@ if [ "${{funcstack[1]}}" = _fluidcarve ]; then _fluidcarve "$@"; else compdef _f
 /// A text as a word of fish.
 std::string fish_word(const std::string& text) {
     std::string out = "'";
-    for (const char c : text) out += c == '\'' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+    for (const char c : text)
+        out += c == '\'' || c == '\\' ? std::string("\\") + c : std::string(1, c);
     return out + "'";
 }
 
 std::string fish_completion(const CLI::App& app) {
-    std::string out = "complete -c fluidcarve -n __fish_use_subcommand -f -l help\ncomplete -c fluidcarve -n __fish_use_subcommand -f -l version\n";
+    std::string out =
+        "complete -c fluidcarve -n __fish_use_subcommand -f -l help\ncomplete -c fluidcarve -n "
+        "__fish_use_subcommand -f -l version\n";
     for (const auto* const verb : verbs(app)) {
-        out += fmt::format("complete -c fluidcarve -n __fish_use_subcommand -f -a {} -d {}\n", verb->get_name(), fish_word(verb->get_description()));
+        out += fmt::format("complete -c fluidcarve -n __fish_use_subcommand -f -a {} -d {}\n",
+                           verb->get_name(), fish_word(verb->get_description()));
         for (const auto* const option : options(*verb)) {
             const auto all = choices(*option);
             const bool positional = option->get_lnames().empty() && option->get_snames().empty();
             if (positional && all.empty()) continue;
-            out += fmt::format("complete -c fluidcarve -n '__fish_seen_subcommand_from {}'", verb->get_name());
+            out += fmt::format("complete -c fluidcarve -n '__fish_seen_subcommand_from {}'",
+                               verb->get_name());
             for (const auto& name : option->get_snames()) out += " -s " + name;
             for (const auto& name : option->get_lnames()) out += " -l " + name;
             // -x: one of these; -r: a value, which may be a file; -f: no value.
-            if (!all.empty()) out += fmt::format(" {} -a {}", positional ? "-f" : "-x", fish_word(joined(all)));
+            if (!all.empty())
+                out += fmt::format(" {} -a {}", positional ? "-f" : "-x", fish_word(joined(all)));
             else if (option->get_expected_max() != 0) out += " -r";
             out += fmt::format(" -d {}\n", fish_word(option->get_description()));
         }
     }
-    return out + "complete -c fluidcarve -n '__fish_seen_subcommand_from nodes' -f -a '(fluidcarve nodes | string match -r \"[^ ]+\")'\n";
+    return out +
+           "complete -c fluidcarve -n '__fish_seen_subcommand_from nodes' -f -a '(fluidcarve nodes "
+           "| string match -r \"[^ ]+\")'\n";
 }
 
 }  // namespace
 
 std::string man_page(const CLI::App& app, const std::string& version) {
-    std::string out = fmt::format(".TH FLUIDCARVE 1 \"\" \"fluidcarve {}\"\n.SH NAME\nfluidcarve \\- change the size of a finished simulation\n", version);
-    out += ".SH SYNOPSIS\n.B fluidcarve\n.I VERB\n[\n.I options\n]\n.SH DESCRIPTION\n" + roff(app.get_description()) + "\n.SH VERBS\n";
+    std::string out = fmt::format(
+        ".TH FLUIDCARVE 1 \"\" \"fluidcarve {}\"\n.SH NAME\nfluidcarve \\- change the size of a "
+        "finished simulation\n",
+        version);
+    out += ".SH SYNOPSIS\n.B fluidcarve\n.I VERB\n[\n.I options\n]\n.SH DESCRIPTION\n" +
+           roff(app.get_description()) + "\n.SH VERBS\n";
     for (const auto* const verb : verbs(app)) {
         out += fmt::format(".SS {}\n{}.\n", roff(verb->get_name()), roff(verb->get_description()));
         for (const auto* const option : options(*verb)) {
-            out += fmt::format(".TP\n.B {}\n{}", roff(spelling(*option)), roff(option->get_description()));
-            if (const auto all = choices(*option); !all.empty()) out += fmt::format(" ({})", roff(joined(all)));
-            if (!option->get_default_str().empty()) out += fmt::format(" [{}]", roff(option->get_default_str()));
-            if (!option->get_envname().empty()) out += fmt::format("; environment: {}", roff(option->get_envname()));
+            out += fmt::format(".TP\n.B {}\n{}", roff(spelling(*option)),
+                               roff(option->get_description()));
+            if (const auto all = choices(*option); !all.empty())
+                out += fmt::format(" ({})", roff(joined(all)));
+            if (!option->get_default_str().empty())
+                out += fmt::format(" [{}]", roff(option->get_default_str()));
+            if (!option->get_envname().empty())
+                out += fmt::format("; environment: {}", roff(option->get_envname()));
             out += "\n";
         }
         if (!verb->get_footer().empty()) out += ".PP\n.nf\n" + roff(verb->get_footer()) + "\n.fi\n";
     }
     out += ".SH EXIT STATUS\n";
-    for (const auto& [code, meaning] : exit_code::meanings) out += fmt::format("{}{} {}", code == exit_code::done ? "" : "; ", code, meaning);
+    for (const auto& [code, meaning] : exit_code::meanings)
+        out += fmt::format("{}{} {}", code == exit_code::done ? "" : "; ", code, meaning);
     out += ".\n";
-    return out + ".SH SEE ALSO\n" + roff("`fluidcarve nodes` lists all node types, `fluidcarve nodes TYPE` describes one.") + "\n";
+    return out + ".SH SEE ALSO\n" +
+           roff("`fluidcarve nodes` lists all node types, `fluidcarve nodes TYPE` describes one.") +
+           "\n";
 }
 
 std::string completion(const CLI::App& app, const std::string& shell) {

@@ -1,7 +1,7 @@
 #include "tools/verbs/summary.h"
 
+#include "carve/base/frame_set.h"
 #include "graph/text/json_text.h"
-#include "graph/types/frames.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -24,7 +24,9 @@ FrameSet frames_of(const Seen& seen) {
 }
 
 /// "frame 7", "frames 7-9".
-std::string in_words(const FrameSet& frames) { return (frames.frames().size() == 1 ? "frame " : "frames ") + frames.text(); }
+std::string in_words(const FrameSet& frames) {
+    return (frames.frames().size() == 1 ? "frame " : "frames ") + frames.text();
+}
 
 Json union_of_boxes(const Seen& seen) {
     Json out = *seen.front().second;
@@ -38,7 +40,8 @@ Json union_of_boxes(const Seen& seen) {
 
 Json span_of(const Seen& seen) {
     const bool spans = seen.front().second->is_array();
-    Json low = spans ? seen.front().second->at(0) : *seen.front().second, high = spans ? seen.front().second->at(1) : *seen.front().second;
+    Json low = spans ? seen.front().second->at(0) : *seen.front().second,
+         high = spans ? seen.front().second->at(1) : *seen.front().second;
     for (const auto& [frame, value] : seen) {
         low = std::min(low, spans ? value->at(0) : *value);
         high = std::max(high, spans ? value->at(1) : *value);
@@ -49,7 +52,8 @@ Json span_of(const Seen& seen) {
 /// Merges what is known of a sequence's files, and notes what changes.
 class Summary {
 public:
-    /// The fields of one thing in all frames. @param name  of the thing, for messages; empty: the file
+    /// The fields of one thing in all frames.
+    /// @param name  of the thing, for messages; empty: the file
     Json merged(const Seen& seen, const std::string& name) {
         auto out = Json::object();
         for (const auto& [frame, thing] : seen)
@@ -59,14 +63,17 @@ public:
     }
 
     void tell(const std::string& line, const std::string& name) {
-        auto found = std::find_if(changes_.begin(), changes_.end(), [&](const auto& each) { return each.first == line; });
+        auto found = std::find_if(changes_.begin(), changes_.end(),
+                                  [&](const auto& each) { return each.first == line; });
         if (found == changes_.end()) found = changes_.insert(changes_.end(), {line, {}});
         if (!name.empty()) found->second.push_back(name);
     }
 
     Json changes() const {
         auto out = Json::array();
-        for (const auto& [line, names] : changes_) out.push_back(names.empty() ? line : fmt::format("{}: {}", fmt::join(names, ", "), line));
+        for (const auto& [line, names] : changes_)
+            out.push_back(names.empty() ? line
+                                        : fmt::format("{}: {}", fmt::join(names, ", "), line));
         return out;
     }
 
@@ -74,14 +81,17 @@ private:
     static Seen values_of(const Seen& seen, const std::string& key) {
         Seen out;
         for (const auto& [frame, thing] : seen)
-            if (const auto found = thing->find(key); found != thing->end()) out.emplace_back(frame, &*found);
+            if (const auto found = thing->find(key); found != thing->end())
+                out.emplace_back(frame, &*found);
         return out;
     }
 
     Json merged_field(const Seen& values, const std::string& key, const std::string& name) {
         const auto& first = *values.front().second;
         if (key == "metadata") return shared(values);
-        if (std::all_of(values.begin(), values.end(), [&](const auto& each) { return *each.second == first; })) return first;
+        if (std::all_of(values.begin(), values.end(),
+                        [&](const auto& each) { return *each.second == first; }))
+            return first;
         if (key == "box") tell("the box of active voxels changes from frame to frame", name);
         if (key == "box" || key == "world_box") return union_of_boxes(values);
         if (key == "range" || first.is_number()) return span_of(values);
@@ -95,7 +105,9 @@ private:
         auto out = *maps.front().second;
         for (const auto& [frame, map] : maps)
             for (auto entry = out.begin(); entry != out.end();)
-                if (const auto other = map->find(entry.key()); other == map->end() || *other != *entry) entry = out.erase(entry);
+                if (const auto other = map->find(entry.key());
+                    other == map->end() || *other != *entry)
+                    entry = out.erase(entry);
                 else ++entry;
         return out;
     }
@@ -104,18 +116,22 @@ private:
     static std::string by_value(const Seen& values, const std::string& key) {
         std::vector<std::pair<std::string, Seen>> groups;
         for (const auto& each : values) {
-            const auto text = each.second->is_string() ? each.second->get<std::string>() : json_text(*each.second);
-            auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& other) { return other.first == text; });
+            const auto text = each.second->is_string() ? each.second->get<std::string>()
+                                                       : json_text(*each.second);
+            auto group = std::find_if(groups.begin(), groups.end(),
+                                      [&](const auto& other) { return other.first == text; });
             if (group == groups.end()) group = groups.insert(groups.end(), {text, {}});
             group->second.push_back(each);
         }
         std::string out = key + " is ";
         for (const auto& [text, frames] : groups)
-            out += fmt::format("{}{} in {}", &frames == &groups.front().second ? "" : ", ", text, in_words(frames_of(frames)));
+            out += fmt::format("{}{} in {}", &frames == &groups.front().second ? "" : ", ", text,
+                               in_words(frames_of(frames)));
         return out;
     }
 
-    std::vector<std::pair<std::string, std::vector<std::string>>> changes_;  ///< lines, each with the things that it is about
+    std::vector<std::pair<std::string, std::vector<std::string>>>
+        changes_;  ///< lines, each with the things that it is about
 };
 
 /// Oddities of all files, each with its frames unless all have it.
@@ -124,12 +140,16 @@ Json oddities_of(const std::vector<LookedAt>& files) {
     for (const auto& [frame, facts] : files)
         for (const auto& oddity : facts.at("oddities")) {
             const auto text = oddity.get<std::string>();
-            auto found = std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.first == text; });
+            auto found = std::find_if(all.begin(), all.end(),
+                                      [&](const auto& each) { return each.first == text; });
             if (found == all.end()) found = all.insert(all.end(), {text, {}});
             found->second.push_back(frame);
         }
     auto out = Json::array();
-    for (const auto& [text, frames] : all) out.push_back(frames.size() == files.size() ? text : fmt::format("{} ({})", text, in_words(FrameSet(frames))));
+    for (const auto& [text, frames] : all)
+        out.push_back(frames.size() == files.size()
+                          ? text
+                          : fmt::format("{} ({})", text, in_words(FrameSet(frames))));
     return out;
 }
 
@@ -142,7 +162,8 @@ Json summary_of(const std::vector<LookedAt>& files, const FileInspector& inspect
     std::map<std::string, Seen> parts;
     for (const auto& [frame, facts] : files) {
         heads.push_back(facts);
-        for (const auto* const key : {"file", "frame", "oddities", inspector.parts.c_str()}) heads.back().erase(key);
+        for (const auto* const key : {"file", "frame", "oddities", inspector.parts.c_str()})
+            heads.back().erase(key);
         for (const auto& part : facts.at(inspector.parts)) {
             const auto name = part.at("name").get<std::string>();
             if (!parts.contains(name)) names.push_back(name);

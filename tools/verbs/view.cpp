@@ -21,7 +21,9 @@ namespace {
 
 constexpr std::string_view page_type = "preview.page";
 
-Value scalar(const Mark& mark, std::string text) { return {Value::Kind::scalar, mark, std::move(text), {}, {}}; }
+Value scalar(const Mark& mark, std::string text) {
+    return {Value::Kind::scalar, mark, std::move(text), {}, {}};
+}
 Value empty_map(const Mark& mark) { return {Value::Kind::map, mark, {}, {}, {}}; }
 
 /// A field of a node as written; null if it is not stated.
@@ -37,7 +39,8 @@ std::string type_of(const Value::Field& node) {
 }
 
 /// The first node of one of these types that states a field, types in order; null if there is none.
-const Value::Field* first_of(const Document& document, std::initializer_list<std::string_view> types, std::string_view with) {
+const Value::Field* first_of(const Document& document,
+                             std::initializer_list<std::string_view> types, std::string_view with) {
     for (const auto type : types)
         for (const auto& node : document.nodes.fields)
             if (type_of(node) == type && field(&node, with)) return &node;
@@ -47,7 +50,9 @@ const Value::Field* first_of(const Document& document, std::initializer_list<std
 /// The node that a connection names: "box" of `box` and of `box.lattice`; of a list the last one.
 const Value::Field* connected(const Document& document, const Value* link) {
     if (!link) return nullptr;
-    const auto& text = link->kind == Value::Kind::list && !link->items.empty() ? link->items.back().text : link->text;
+    const auto& text = link->kind == Value::Kind::list && !link->items.empty()
+                           ? link->items.back().text
+                           : link->text;
     return document.nodes.find(text.substr(0, text.find('.')));
 }
 
@@ -60,7 +65,8 @@ void add(Value& node, const std::string& name, const Value* value) {
 std::string setting_of(const Document& document, const Value::Field& solver) {
     const auto* const count = field(&solver, "count");
     for (const auto& param : document.params.fields)
-        if (count && param.value.mark.source == count->mark.source && param.value.mark.line == count->mark.line &&
+        if (count && param.value.mark.source == count->mark.source &&
+            param.value.mark.line == count->mark.line &&
             param.value.mark.column == count->mark.column)
             return param.name;
     return solver.name + ".count";
@@ -68,7 +74,9 @@ std::string setting_of(const Document& document, const Value::Field& solver) {
 
 /// Leaves out the seams of a node, and what is for them.
 void leave_out_seams(Value& node) {
-    std::erase_if(node.fields, [](const Value::Field& each) { return each.name == "seams" || each.name == "count"; });
+    std::erase_if(node.fields, [](const Value::Field& each) {
+        return each.name == "seams" || each.name == "count";
+    });
 }
 
 /// Lets all solvers take as many seams as there are: a page of these shows more than an error.
@@ -80,20 +88,25 @@ void take_what_is_there(Document& document, const Registry& registry) {
     }
 }
 
-/// Whether a run would have to find seams: a solver upstream of a node is not in the work folder with all that is wanted.
+/// Whether a run would have to find seams: a solver upstream of a node is not in the work folder
+/// with all that is wanted.
 /// @throws Failure if nothing tells, since the work folder or an input can't be read
 bool must_solve(const Pipeline& pipeline, const Registry& registry, const RunRequest& request) {
     Report report(pipeline);
-    Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
+    Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver,
+                         report);
     // What is missing is told by the run.
     if (prepared.frames().empty() || !prepared.inputs().missing.empty()) return false;
-    const auto to_do = shares(pipeline, prepared.plan(), prepared.schedule(), prepared.uncached_schedule());
+    const auto to_do =
+        shares(pipeline, prepared.plan(), prepared.schedule(), prepared.uncached_schedule());
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         if (to_do[n].runs == 0 || !pipeline.nodes[n].type->growth) continue;
         auto fault = prepared.cache().unread();
         if (!fault.empty()) fault += "; make it readable, or name another work folder with --work";
         else if (request.options.cache) fault = prepared.fault_of_contents();
-        if (!fault.empty()) throw Failure("nothing tells whether the seams are found: " + fault, Failure::Kind::input);
+        if (!fault.empty())
+            throw Failure("nothing tells whether the seams are found: " + fault,
+                          Failure::Kind::input);
         return true;
     }
     return false;
@@ -102,8 +115,13 @@ bool must_solve(const Pipeline& pipeline, const Registry& registry, const RunReq
 }  // namespace
 
 void ViewArguments::declare(CLI::App& verb) {
-    verb.add_option("-o,--output", path, "The page (default: that of the pipeline's preview.page, else out/NAME.html for NAME.yaml)")->type_name("FILE.html");
-    verb.add_flag("--solve", solve, "Find the seams if no earlier run has; without it the page then shows where they are to be found");
+    verb.add_option("-o,--output", path,
+                    "The page (default: that of the pipeline's preview.page, else out/NAME.html "
+                    "for NAME.yaml)")
+        ->type_name("FILE.html");
+    verb.add_flag("--solve", solve,
+                  "Find the seams if no earlier run has; without it the page then shows where they "
+                  "are to be found");
     run.declare_limits(verb);
 }
 
@@ -112,7 +130,8 @@ std::string add_page(Document& document, std::string& name) {
         if (type_of(node) == page_type) return name = node.name, std::string();
     const auto* const sheet = first_of(document, {"preview.sheet"}, "lattice");
     const auto* const remap = first_of(document, {"remap.grids"}, "seams");
-    const auto* const seams = sheet && field(sheet, "seams") ? field(sheet, "seams") : field(remap, "seams");
+    const auto* const seams =
+        sheet && field(sheet, "seams") ? field(sheet, "seams") : field(remap, "seams");
     const auto* const solver = connected(document, seams);
     const auto* const built = first_of(document, {"lattice.build", "lattice.box"}, "type");
     const auto mark = document.nodes.mark;
@@ -124,11 +143,13 @@ std::string add_page(Document& document, std::string& name) {
                                                            : nullptr;
     const auto* before = sheet ? field(sheet, "before") : field(remap, "source");
     if (!before && built) before = field(built, "fit");
-    if (before && before->kind == Value::Kind::list && !before->items.empty()) before = &before->items.front();
+    if (before && before->kind == Value::Kind::list && !before->items.empty())
+        before = &before->items.front();
     if (!before) before = field(solver, "field");
     if (!before)
         return fmt::format(
-            "{}: it has no preview.page, preview.sheet or remap.grids, nor a lattice with `fit`, so that nothing says what to show; add a "
+            "{}: it has no preview.page, preview.sheet or remap.grids, nor a lattice with `fit`, "
+            "so that nothing says what to show; add a "
             "preview.page",
             document.name);
 
@@ -139,16 +160,20 @@ std::string add_page(Document& document, std::string& name) {
     add(page, "before", before);
     if (sheet) add(page, "grid", field(sheet, "grid"));
     if (lattice) add(page, "lattice", lattice);
-    add(page, "energy", sheet && field(sheet, "energy") ? field(sheet, "energy") : field(solver, "energy"));
+    add(page, "energy",
+        sheet && field(sheet, "energy") ? field(sheet, "energy") : field(solver, "energy"));
     add(page, "rig", field(connected(document, lattice), "rig"));
     if (lattice) add(page, "seams", seams);
     auto masks = empty_map(mark);
     for (const auto* const each : {"protect", "attract"}) add(masks, each, field(solver, each));
     if (!masks.fields.empty()) add(page, "masks", &masks);
-    for (const auto* const each : {"count", "soft", "soft_time", "rim", "fade"}) add(page, each, field(remap, each));
-    const auto setting = scalar(mark, solver ? setting_of(document, *solver) : std::string("count"));
+    for (const auto* const each : {"count", "soft", "soft_time", "rim", "fade"})
+        add(page, each, field(remap, each));
+    const auto setting =
+        scalar(mark, solver ? setting_of(document, *solver) : std::string("count"));
     add(page, "setting", &setting);
-    const auto path = scalar(mark, "out/" + std::filesystem::path(document.name).stem().string() + ".html");
+    const auto path =
+        scalar(mark, "out/" + std::filesystem::path(document.name).stem().string() + ".html");
     add(page, "path", &path);
     document.nodes.fields.push_back({name, mark, std::move(page)});
     return {};
@@ -165,7 +190,9 @@ std::string page_path(const Pipeline& pipeline, const std::string& node) {
     const auto& page = *pipeline.find(node);
     const auto& params = page.type->params;
     const auto spec = std::ranges::find(params, "path", &ParamSpec::name);
-    return spec == params.end() ? std::string() : spec->path(page.params.get()).at(pipeline.frames.frames().front());
+    return spec == params.end()
+               ? std::string()
+               : spec->path(page.params.get()).at(pipeline.frames.frames().front());
 }
 
 int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Registry& registry) {
@@ -174,7 +201,8 @@ int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Regis
     auto pipeline = arguments.build(document, registry, problems);
     if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
     std::string name;
-    if (const auto fault = add_page(document, name); !fault.empty()) return complain(fault + "\n"), exit_code::usage;
+    if (const auto fault = add_page(document, name); !fault.empty())
+        return complain(fault + "\n"), exit_code::usage;
     if (!view.path.empty()) set_page_path(document, name, view.path);
     if (view.solve) take_what_is_there(document, registry);
     view.run.request.wish.to = name;
@@ -193,18 +221,22 @@ int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Regis
     bool left_out = false;
     try {
         require_threads(request->options.threads);
-        left_out = !view.solve && field(document.nodes.find(name), "seams") && must_solve(pipeline, registry, *request);
+        left_out = !view.solve && field(document.nodes.find(name), "seams") &&
+                   must_solve(pipeline, registry, *request);
     } catch (const Failure& failure) {
-        return complain(fmt::format("failed: {}\n", failure.what())), failure.kind == Failure::Kind::input ? exit_code::input : exit_code::node_failed;
+        return complain(fmt::format("failed: {}\n", failure.what())),
+               failure.kind == Failure::Kind::input ? exit_code::input : exit_code::node_failed;
     }
     if (left_out) {
         leave_out_seams(document.nodes.find(name)->value);
         if (!build()) return exit_code::usage;
     }
-    const Interrupt interrupt(request->quiet ? std::string() : interrupted_text(request->options.cache));
+    const Interrupt interrupt(request->quiet ? std::string()
+                                             : interrupted_text(request->options.cache));
     const int code = run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
     if (code != exit_code::done) return code;
-    if (left_out && !request->quiet) complain("the seams are not found yet: the page shows where; --solve finds them\n");
+    if (left_out && !request->quiet)
+        complain("the seams are not found yet: the page shows where; --solve finds them\n");
     print(page_path(pipeline, name) + "\n");
     return exit_code::done;
 }

@@ -1,7 +1,8 @@
 #include "tools/verbs/wedge.h"
 
-#include "graph/input_file.h"
-#include "graph/output_file.h"
+#include "formats/file/input_file.h"
+#include "formats/file/output_file.h"
+#include "formats/file/path_pattern.h"
 #include "graph/text/yaml_text.h"
 #include "graph/views/provenance.h"
 #include "graph/views/value_sources.h"
@@ -38,7 +39,8 @@ namespace fs = std::filesystem;
 
 std::string text_of(const Combination& combination) {
     std::vector<std::string> out;
-    for (const auto& [target, value] : combination) out.push_back(fmt::format("{}={}", target, value));
+    for (const auto& [target, value] : combination)
+        out.push_back(fmt::format("{}={}", target, value));
     return fmt::format("{}", fmt::join(out, ", "));
 }
 
@@ -61,18 +63,23 @@ void each_output(const Pipeline& pipeline, const Visit& visit) {
     for (const auto& node : pipeline.nodes)
         for (const auto& spec : node.type->params)
             if (spec.shape.kind == Shape::Kind::output_path)
-                if (const auto& path = spec.path(node.params.get()); !path.text().empty()) visit(node, spec, path);
+                if (const auto& path = spec.path(node.params.get()); !path.text().empty())
+                    visit(node, spec, path);
 }
 
 /// Settings by which a pipeline writes all of its files into a folder, under their own names.
 std::vector<std::string> outputs_into(const std::string& folder, const Pipeline& pipeline) {
     std::map<std::string, int> named;
-    each_output(pipeline, [&](const Node&, const ParamSpec&, const PathPattern& path) { ++named[fs::path(path.text()).filename().string()]; });
+    each_output(pipeline, [&](const Node&, const ParamSpec&, const PathPattern& path) {
+        ++named[fs::path(path.text()).filename().string()];
+    });
     std::vector<std::string> out;
     std::map<std::string, std::string> moved;
     each_output(pipeline, [&](const Node& node, const ParamSpec& spec, const PathPattern& path) {
         const auto name = fs::path(path.text()).filename();
-        const auto to = (named.at(name.string()) > 1 ? fs::path(folder) / node.name / name : folder / name).string();
+        const auto to =
+            (named.at(name.string()) > 1 ? fs::path(folder) / node.name / name : folder / name)
+                .string();
         moved.emplace(fs::path(path.text()).lexically_normal().string(), to);
         out.push_back(fmt::format("{}.{}={}", node.name, spec.name, to));
     });
@@ -82,15 +89,20 @@ std::vector<std::string> outputs_into(const std::string& folder, const Pipeline&
             std::vector<std::string> files;
             for (const auto& [name, path] : spec.written(node.params.get())) {
                 const auto found = moved.find(fs::path(path.text()).lexically_normal().string());
-                files.push_back(fmt::format("{}: {}", yaml_scalar(name), yaml_scalar(found == moved.end() ? path.text() : found->second)));
+                files.push_back(
+                    fmt::format("{}: {}", yaml_scalar(name),
+                                yaml_scalar(found == moved.end() ? path.text() : found->second)));
             }
-            out.push_back(fmt::format("{}.{}={{{}}}", node.name, spec.name, fmt::join(files, ", ")));
+            out.push_back(
+                fmt::format("{}.{}={{{}}}", node.name, spec.name, fmt::join(files, ", ")));
         }
     return out;
 }
 
-/// Adds a node that draws what is carved. @return the path of its picture; empty: nothing can be drawn
-std::string add_preview(Document& document, const DraftRequest::Fields& fields, const std::string& folder) {
+/// Adds a node that draws what is carved.
+/// @return the path of its picture; empty: nothing can be drawn
+std::string add_preview(Document& document, const DraftRequest::Fields& fields,
+                        const std::string& folder) {
     if (fields.empty()) return {};
     auto source = std::make_shared<Source>();
     source->name = "wedge";
@@ -116,12 +128,14 @@ std::string add_preview(Document& document, const DraftRequest::Fields& fields, 
 std::string picture_of(const Pipeline& pipeline) {
     std::string out;
     each_output(pipeline, [&](const Node& node, const ParamSpec&, const PathPattern& path) {
-        if (out.empty() && node.type->name.starts_with("preview.") && path.text().ends_with(".png")) out = path.at(pipeline.frames.frames().front());
+        if (out.empty() && node.type->name.starts_with("preview.") && path.text().ends_with(".png"))
+            out = path.at(pipeline.frames.frames().front());
     });
     return out;
 }
 
-/// How many items, such as seams, the nodes of a pipeline are to find. Percentages count as of a thousand.
+/// How many items, such as seams, the nodes of a pipeline are to find. Percentages count as of a
+/// thousand.
 std::size_t wanted(const Pipeline& pipeline) {
     std::size_t out = 0;
     for (const auto& node : pipeline.nodes)
@@ -147,7 +161,8 @@ void prepare_view(WedgeRun& run, const Registry& registry) {
     auto document = run.document;
     std::string name;
     if (!add_page(document, name).empty()) return;
-    if (!run.document.nodes.find(name)) set_page_path(document, name, (fs::path(run.folder) / "wedge_view.html").string());
+    if (!run.document.nodes.find(name))
+        set_page_path(document, name, (fs::path(run.folder) / "wedge_view.html").string());
     Problems unfit;
     auto viewed = build_pipeline(document, registry, unfit);
     if (!unfit.empty()) return;
@@ -158,23 +173,31 @@ void prepare_view(WedgeRun& run, const Registry& registry) {
 }
 
 /// Checks all runs. @param problems  of all of them
-std::vector<WedgeRun> prepare(const PipelineArguments& arguments, const std::vector<Varied>& varied, const std::string& folder, Registry& registry,
-                              Problems& problems) {
+std::vector<WedgeRun> prepare(const PipelineArguments& arguments, const std::vector<Varied>& varied,
+                              const std::string& folder, Registry& registry, Problems& problems) {
     std::vector<WedgeRun> out;
     PluginFiles plugins;
     for (const auto& combination : combinations_of(varied)) {
-        WedgeRun run{combination, (fs::path(folder) / folder_name(combination, out.size() + 1)).string(), {}, {}, {}, {}, {}, exit_code::done, {}};
+        WedgeRun run{
+            combination, (fs::path(folder) / folder_name(combination, out.size() + 1)).string(),
+            {},          {},
+            {},          {},
+            {},          exit_code::done,
+            {}};
         auto settings = arguments.settings;
         for (const auto& [target, value] : combination) settings.push_back(target + "=" + value);
         Problems found;
         const auto document = read_document(arguments.path, settings, found);
-        const auto as_stated = out.empty() ? arguments.build(document, registry, found) : build_pipeline(document, registry, found);
+        const auto as_stated = out.empty() ? arguments.build(document, registry, found)
+                                           : build_pipeline(document, registry, found);
         if (out.empty()) plugins = as_stated.plugins;
         if (found.empty()) {
-            for (auto& setting : outputs_into(run.folder, as_stated)) settings.push_back(std::move(setting));
+            for (auto& setting : outputs_into(run.folder, as_stated))
+                settings.push_back(std::move(setting));
             run.document = read_document(arguments.path, settings, found);
             run.picture = picture_of(as_stated);
-            if (run.picture.empty()) run.picture = add_preview(run.document, draft_preview(as_stated), run.folder);
+            if (run.picture.empty())
+                run.picture = add_preview(run.document, draft_preview(as_stated), run.folder);
             run.pipeline = build_pipeline(run.document, registry, found);
         }
         if (found.empty()) {
@@ -199,18 +222,26 @@ std::optional<nlohmann::ordered_json> report_in(const std::string& path) {
     }
 }
 
-/// Makes the page of a run that has ended, from what it kept. @return its path; empty: there is none
-std::string draw_view(const WedgeRun& run, RunArguments arguments, const Registry& registry, const Interrupt& interrupt) {
-    if (run.view.empty() || arguments.no_cache || !arguments.only.empty() || !arguments.request.wish.to.empty()) return {};
+/// Makes the page of a run that has ended, from what it kept.
+/// @return its path; empty: there is none
+std::string draw_view(const WedgeRun& run, RunArguments arguments, const Registry& registry,
+                      const Interrupt& interrupt) {
+    if (run.view.empty() || arguments.no_cache || !arguments.only.empty() ||
+        !arguments.request.wish.to.empty())
+        return {};
     arguments.request.wish.to = run.view;
     arguments.request.quiet = true;
     const auto request = arguments.read(run.viewed);
-    if (!request || run_pipeline(run.viewed, registry, *request, [&] { return interrupt.asked(); }) != exit_code::done) return {};
+    if (!request || run_pipeline(run.viewed, registry, *request,
+                                 [&] { return interrupt.asked(); }) != exit_code::done)
+        return {};
     return page_path(run.viewed, run.view);
 }
 
-/// Runs one of the pipelines. Nothing of an earlier run is taken for its result. @return false if its options are wrong
-bool execute(WedgeRun& run, RunArguments& arguments, const Registry& registry, const Interrupt& interrupt) {
+/// Runs one of the pipelines. Nothing of an earlier run is taken for its result.
+/// @return false if its options are wrong
+bool execute(WedgeRun& run, RunArguments& arguments, const Registry& registry,
+             const Interrupt& interrupt) {
     auto request = arguments.read(run.pipeline);
     if (!request) return false;
     request->sources = value_sources_of(run.document, registry);
@@ -222,8 +253,10 @@ bool execute(WedgeRun& run, RunArguments& arguments, const Registry& registry, c
     const auto report = report_in(request->report_path);
     run.result.differs = run.combination;
     run.result.failed = run.code != exit_code::done;
-    run.result.results = report ? wedge_results(*report) : std::vector<std::string>{"failed: it ended without a report"};
-    run.result.report = report ? fs::path(run.folder).filename().string() + "/report.html" : std::string();
+    run.result.results = report ? wedge_results(*report)
+                                : std::vector<std::string>{"failed: it ended without a report"};
+    run.result.report =
+        report ? fs::path(run.folder).filename().string() + "/report.html" : std::string();
     if (run.result.failed) return true;
     run.result.picture = run.picture;
     run.result.view = draw_view(run, arguments, registry, interrupt);
@@ -239,17 +272,20 @@ std::string table_of(const std::vector<Varied>& varied, const std::vector<WedgeR
         widths.push_back(width);
     }
     std::string out;
-    for (std::size_t n = 0; n < varied.size(); ++n) out += fmt::format("{:<{}}  ", varied[n].target, widths[n]);
+    for (std::size_t n = 0; n < varied.size(); ++n)
+        out += fmt::format("{:<{}}  ", varied[n].target, widths[n]);
     out += "result\n";
     for (const auto& run : runs) {
-        for (std::size_t n = 0; n < varied.size(); ++n) out += fmt::format("{:<{}}  ", run.combination[n].second, widths[n]);
+        for (std::size_t n = 0; n < varied.size(); ++n)
+            out += fmt::format("{:<{}}  ", run.combination[n].second, widths[n]);
         out += fmt::format("{}\n", fmt::join(run.result.results, "; "));
     }
     return out;
 }
 
 /// Writes the sheet and the pages of all runs. @throws Failure
-void show(const std::string& name, const std::string& folder, const std::vector<Varied>& varied, const std::vector<WedgeRun>& runs) {
+void show(const std::string& name, const std::string& folder, const std::vector<Varied>& varied,
+          const std::vector<WedgeRun>& runs) {
     std::vector<ContactCell> cells;
     std::vector<PagePart> pages;
     std::vector<WedgeResult> results;
@@ -257,47 +293,63 @@ void show(const std::string& name, const std::string& folder, const std::vector<
     for (const auto& each : varied) targets.push_back(each.target);
     for (const auto& run : runs) {
         ContactCell cell{{}, run.result.results, run.result.picture};
-        for (const auto& [target, value] : run.combination) cell.labels.push_back(fmt::format("{} = {}", target, value));
+        for (const auto& [target, value] : run.combination)
+            cell.labels.push_back(fmt::format("{} = {}", target, value));
         cells.push_back(std::move(cell));
         if (!run.result.view.empty()) pages.push_back({run.result.view, run.combination});
         results.push_back(run.result);
     }
-    const auto columns = varied.size() > 1 ? varied.back().values.size() : static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(runs.size()))));
+    const auto columns =
+        varied.size() > 1
+            ? varied.back().values.size()
+            : static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(runs.size()))));
     const auto title = fmt::format("{}: {}", name, fmt::join(targets, ", "));
     write_contact_sheet(title, cells, columns, folder + "/wedge.png");
     std::string view, fault;
     try {
-        if (!pages.empty()) write_joined_page(title, pages, folder + "/view.html"), view = "view.html";
+        if (!pages.empty())
+            write_joined_page(title, pages, folder + "/view.html"), view = "view.html";
     } catch (const Failure& failure) {
         fault = fmt::format("no {}/view.html: {}\n", folder, failure.what());
     }
-    OutputFile::write(folder + "/wedge.html", wedge_page(name, fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(std::time(nullptr))), view, results));
-    print(fmt::format("{0}/wedge.png, {0}/wedge.html{1}\n{2}", folder, view.empty() ? "" : fmt::format(", {}/{}", folder, view), fault));
+    OutputFile::write(
+        folder + "/wedge.html",
+        wedge_page(name, fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(std::time(nullptr))), view,
+                   results));
+    print(fmt::format("{0}/wedge.png, {0}/wedge.html{1}\n{2}", folder,
+                      view.empty() ? "" : fmt::format(", {}/{}", folder, view), fault));
 }
 
 }  // namespace
 
 void WedgeArguments::declare(CLI::App& verb) {
-    verb.add_option("--over", over, "A param, a node's field or the frames, and the values to run it with; may be repeated, for all combinations")
+    verb.add_option("--over", over,
+                    "A param, a node's field or the frames, and the values to run it with; may be "
+                    "repeated, for all combinations")
         ->type_name("NODE.FIELD=VALUE,...|PARAM=VALUE,...")
         ->expected(1)
         ->take_all()
         ->required();
-    verb.add_option("-o,--out", out, "The folder of all results: one folder for each run, wedge.png, wedge.html and view.html")
+    verb.add_option("-o,--out", out,
+                    "The folder of all results: one folder for each run, wedge.png, wedge.html and "
+                    "view.html")
         ->capture_default_str()
         ->type_name("DIR");
     run.declare(verb);
 }
 
-int wedge_pipeline(const PipelineArguments& pipeline, WedgeArguments& arguments, Registry& registry) {
+int wedge_pipeline(const PipelineArguments& pipeline, WedgeArguments& arguments,
+                   Registry& registry) {
     const auto wrong = [](const std::string& message) {
         complain(message + "\n");
         return exit_code::usage;
     };
     const auto& own = arguments.run.request;
     if (!own.report_path.empty() || !own.html_path.empty() || !own.profile_path.empty())
-        return wrong(fmt::format("--report, --html and --profile name one file, and a wedge has many runs: each writes its report into its folder in {}",
-                                 arguments.out));
+        return wrong(
+            fmt::format("--report, --html and --profile name one file, and a wedge has many runs: "
+                        "each writes its report into its folder in {}",
+                        arguments.out));
     std::vector<Varied> varied;
     try {
         varied = read_varied(arguments.over);
@@ -311,12 +363,16 @@ int wedge_pipeline(const PipelineArguments& pipeline, WedgeArguments& arguments,
     // What finds most comes first: the others take their part of it from the work folder.
     std::vector<std::size_t> order(runs.size());
     std::iota(order.begin(), order.end(), 0);
-    std::ranges::stable_sort(order, std::ranges::greater(), [&](std::size_t n) { return wanted(runs[n].pipeline); });
-    const Interrupt interrupt(own.quiet ? std::string() : interrupted_text(!arguments.run.no_cache));
+    std::ranges::stable_sort(order, std::ranges::greater(),
+                             [&](std::size_t n) { return wanted(runs[n].pipeline); });
+    const Interrupt interrupt(own.quiet ? std::string()
+                                        : interrupted_text(!arguments.run.no_cache));
     int code = exit_code::done;
     for (std::size_t place = 0; place < order.size(); ++place) {
         auto& run = runs[order[place]];
-        if (!own.quiet) complain(fmt::format("{} of {}: {}\n", place + 1, order.size(), text_of(run.combination)));
+        if (!own.quiet)
+            complain(
+                fmt::format("{} of {}: {}\n", place + 1, order.size(), text_of(run.combination)));
         if (!execute(run, arguments.run, registry, interrupt)) return exit_code::usage;
         if (run.code == exit_code::interrupted) return run.code;
         if (code == exit_code::done) code = run.code;
@@ -325,7 +381,8 @@ int wedge_pipeline(const PipelineArguments& pipeline, WedgeArguments& arguments,
     try {
         show(pipeline.path, arguments.out, varied, runs);
     } catch (const Failure& failure) {
-        return wrong(fmt::format("failed: {}", failure.what())), code == exit_code::done ? exit_code::node_failed : code;
+        return wrong(fmt::format("failed: {}", failure.what())),
+               code == exit_code::done ? exit_code::node_failed : code;
     }
     return code;
 }

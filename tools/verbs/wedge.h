@@ -17,8 +17,10 @@ struct WedgeArguments {
     void declare(CLI::App& verb);
 };
 
-/// The verb `wedge`: runs a pipeline with all combinations of values, each into a folder of its own, and shows the results side by side.
+/// The verb `wedge`: runs a pipeline with all combinations of values, each into a folder of its
+/// own, and shows the results side by side.
 /// @return an exit code: the first that is not 0, if a run failed
-int wedge_pipeline(const PipelineArguments& pipeline, WedgeArguments& arguments, Registry& registry);
+int wedge_pipeline(const PipelineArguments& pipeline, WedgeArguments& arguments,
+                   Registry& registry);
 
 }  // namespace fluidcarve

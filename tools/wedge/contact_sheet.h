@@ -13,9 +13,11 @@ struct ContactCell {
     std::string png;                   ///< path of the picture; empty: there is none
 };
 
-/// Draws cells in rows, each picture scaled to the width of its column, as one PNG file: whole or not at all.
+/// Draws cells in rows, each picture scaled to the width of its column, as one PNG file: whole or
+/// not at all.
 /// @param columns  cells in a row, at least 1
 /// @throws Failure if a picture can't be read, or the file can't be written
-void write_contact_sheet(const std::string& title, const std::vector<ContactCell>& cells, std::size_t columns, const std::string& path);
+void write_contact_sheet(const std::string& title, const std::vector<ContactCell>& cells,
+                         std::size_t columns, const std::string& path);
 
 }  // namespace fluidcarve

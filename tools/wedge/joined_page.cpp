@@ -1,7 +1,7 @@
 #include "tools/wedge/joined_page.h"
 
-#include "graph/input_file.h"
-#include "graph/output_file.h"
+#include "formats/file/input_file.h"
+#include "formats/file/output_file.h"
 #include "nodes/page/page_html.h"
 
 #include <nlohmann/json.hpp>
@@ -12,7 +12,8 @@
 
 namespace fluidcarve {
 
-void write_joined_page(const std::string& title, const std::vector<PagePart>& parts, const std::string& path) {
+void write_joined_page(const std::string& title, const std::vector<PagePart>& parts,
+                       const std::string& path) {
     std::vector<nlohmann::ordered_json> scenes;
     for (const auto& part : parts) {
         const auto page = InputFile(part.path, {.what = "a page"}).whole();
@@ -26,7 +27,8 @@ void write_joined_page(const std::string& title, const std::vector<PagePart>& pa
         }
     }
     const auto page = small_page(title, scenes).html;
-    require_page_size(page, fmt::format("name fewer values; there are {} combinations", parts.size()));
+    require_page_size(page,
+                      fmt::format("name fewer values; there are {} combinations", parts.size()));
     OutputFile::write(path, page);
 }
 

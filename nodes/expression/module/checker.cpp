@@ -1,23 +1,18 @@
 #include "nodes/expression/module/checker.h"
 
-#include "graph/text/problem.h"
+#include "carve/base/words.h"
+#include "nodes/expression/module/syntax.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace fluidcarve {
+
 namespace {
 
-namespace ast = openvdb::ax::ast;
-namespace tokens = openvdb::ax::ast::tokens;
-using tokens::CoreType;
-
-constexpr int deepest = 100;            ///< maximum depth of a syntax tree: AX walks it by recursion
-constexpr double most_rounds = 10'000;  ///< maximum rounds of all loops, per voxel
-constexpr double furthest = 1e9;        ///< maximum absolute value of a counter, so that it never overflows
+constexpr int deepest = 100;  ///< maximum depth of a syntax tree: AX walks it by recursion
 
 /// Type of a function's result.
 enum class Gives {
@@ -26,55 +21,65 @@ enum class Gives {
     whole,
 };
 
-/// The allowed functions: they read only their arguments and the voxel's position, and have no state.
+/// The allowed functions: they read only their arguments and the voxel's position, and have no
+/// state.
 const std::map<std::string, Gives>& functions() {
     static const std::map<std::string, Gives> all{
-        {"abs", Gives::as_given},         {"acos", Gives::fraction},      {"asin", Gives::fraction},         {"atan", Gives::fraction},
-        {"atan2", Gives::fraction},       {"cbrt", Gives::fraction},      {"ceil", Gives::fraction},         {"clamp", Gives::as_given},
-        {"cos", Gives::fraction},         {"cosh", Gives::fraction},      {"cross", Gives::as_given},        {"curlsimplexnoise", Gives::fraction},
-        {"degrees", Gives::fraction},     {"dot", Gives::as_given},       {"euclideanmod", Gives::as_given}, {"exp", Gives::fraction},
-        {"exp2", Gives::fraction},        {"fit", Gives::as_given},       {"floor", Gives::fraction},        {"floormod", Gives::as_given},
-        {"getcoord", Gives::whole},       {"getcoordx", Gives::whole},    {"getcoordy", Gives::whole},       {"getcoordz", Gives::whole},
-        {"getvoxelpws", Gives::fraction}, {"hsvtorgb", Gives::fraction},  {"isfinite", Gives::whole},        {"isinf", Gives::whole},
-        {"isnan", Gives::whole},          {"length", Gives::fraction},    {"lengthsq", Gives::as_given},     {"lerp", Gives::as_given},
-        {"log", Gives::fraction},         {"log10", Gives::fraction},     {"log2", Gives::fraction},         {"max", Gives::as_given},
-        {"min", Gives::as_given},         {"normalize", Gives::fraction}, {"pow", Gives::as_given},          {"radians", Gives::fraction},
-        {"rand", Gives::fraction},        {"rand32", Gives::fraction},    {"rgbtohsv", Gives::fraction},     {"round", Gives::fraction},
-        {"sign", Gives::whole},           {"signbit", Gives::whole},      {"simplexnoise", Gives::fraction}, {"sin", Gives::fraction},
-        {"sinh", Gives::fraction},        {"sqrt", Gives::fraction},      {"tan", Gives::fraction},          {"tanh", Gives::fraction},
+        {"abs", Gives::as_given},
+        {"acos", Gives::fraction},
+        {"asin", Gives::fraction},
+        {"atan", Gives::fraction},
+        {"atan2", Gives::fraction},
+        {"cbrt", Gives::fraction},
+        {"ceil", Gives::fraction},
+        {"clamp", Gives::as_given},
+        {"cos", Gives::fraction},
+        {"cosh", Gives::fraction},
+        {"cross", Gives::as_given},
+        {"curlsimplexnoise", Gives::fraction},
+        {"degrees", Gives::fraction},
+        {"dot", Gives::as_given},
+        {"euclideanmod", Gives::as_given},
+        {"exp", Gives::fraction},
+        {"exp2", Gives::fraction},
+        {"fit", Gives::as_given},
+        {"floor", Gives::fraction},
+        {"floormod", Gives::as_given},
+        {"getcoord", Gives::whole},
+        {"getcoordx", Gives::whole},
+        {"getcoordy", Gives::whole},
+        {"getcoordz", Gives::whole},
+        {"getvoxelpws", Gives::fraction},
+        {"hsvtorgb", Gives::fraction},
+        {"isfinite", Gives::whole},
+        {"isinf", Gives::whole},
+        {"isnan", Gives::whole},
+        {"length", Gives::fraction},
+        {"lengthsq", Gives::as_given},
+        {"lerp", Gives::as_given},
+        {"log", Gives::fraction},
+        {"log10", Gives::fraction},
+        {"log2", Gives::fraction},
+        {"max", Gives::as_given},
+        {"min", Gives::as_given},
+        {"normalize", Gives::fraction},
+        {"pow", Gives::as_given},
+        {"radians", Gives::fraction},
+        {"rand", Gives::fraction},
+        {"rand32", Gives::fraction},
+        {"rgbtohsv", Gives::fraction},
+        {"round", Gives::fraction},
+        {"sign", Gives::whole},
+        {"signbit", Gives::whole},
+        {"simplexnoise", Gives::fraction},
+        {"sin", Gives::fraction},
+        {"sinh", Gives::fraction},
+        {"sqrt", Gives::fraction},
+        {"tan", Gives::fraction},
+        {"tanh", Gives::fraction},
         {"truncatemod", Gives::as_given},
     };
     return all;
-}
-
-bool is_fraction(CoreType type) { return type == tokens::FLOAT || type == tokens::DOUBLE || type == tokens::VEC3F || type == tokens::VEC3D; }
-
-CoreType component_of(CoreType type) {
-    switch (type) {
-        case tokens::VEC3F: return tokens::FLOAT;
-        case tokens::VEC3D: return tokens::DOUBLE;
-        case tokens::VEC3I: return tokens::INT32;
-        default: return tokens::UNKNOWN;
-    }
-}
-
-template <class T>
-const T& as(const ast::Node& node) {
-    return static_cast<const T&>(node);
-}
-
-std::optional<std::uint64_t> whole_literal(const ast::Node* node) {
-    if (!node) return std::nullopt;
-    switch (node->nodetype()) {
-        case ast::Node::ValueInt16Node: return as<ast::Value<std::int16_t>>(*node).asContainerType();
-        case ast::Node::ValueInt32Node: return as<ast::Value<std::int32_t>>(*node).asContainerType();
-        case ast::Node::ValueInt64Node: return as<ast::Value<std::int64_t>>(*node).asContainerType();
-        default: return std::nullopt;
-    }
-}
-
-bool is_local(const ast::Node* node, const std::string& name) {
-    return node && node->nodetype() == ast::Node::LocalNode && as<ast::Local>(*node).name() == name;
 }
 
 /// Thrown to stop the check of a tree that is too deep.
@@ -96,45 +101,59 @@ void ExpressionChecker::fault(const Node& node, const std::string& message) {
     faults_.push_back({"code", line, column, message});
 }
 
-void ExpressionChecker::name_fault(const Node& node, const std::string& name, const std::string& message) {
+void ExpressionChecker::name_fault(const Node& node, const std::string& name,
+                                   const std::string& message) {
     if (faulty_names_.insert(name).second) fault(node, message);
 }
 
 void ExpressionChecker::check_names() {
-    if (!writes_) faults_.push_back({"code", 0, 0, fmt::format("never writes @{}", expression_.output)});
-    if (std::find(expression_.inputs.begin(), expression_.inputs.end(), expression_.output) != expression_.inputs.end())
-        faults_.push_back({"inputs", 0, 0, fmt::format("can't have the name '{}': it is the output's name", expression_.output)});
+    if (!writes_)
+        faults_.push_back({"code", 0, 0, fmt::format("never writes @{}", expression_.output)});
+    if (std::find(expression_.inputs.begin(), expression_.inputs.end(), expression_.output) !=
+        expression_.inputs.end())
+        faults_.push_back(
+            {"inputs", 0, 0,
+             fmt::format("can't have the name '{}': it is the output's name", expression_.output)});
 }
 
 void ExpressionChecker::warn_of_unread() {
     const auto warn = [&](const char* field, const std::string& name) {
-        faults_.push_back({field, 0, 0, fmt::format("has '{}', which the program never reads", name), true});
+        faults_.push_back(
+            {field, 0, 0, fmt::format("has '{}', which the program never reads", name), true});
     };
     for (const auto& input : expression_.inputs)
         if (!reads(input)) warn("inputs", input);
     for (const auto& [name, value] : expression_.constants)
-        if (!constants_read_.contains(name) && !(name == rate_constant && reads(time_input))) warn("params", name);
+        if (!constants_read_.contains(name) && !(name == rate_constant && reads(time_input)))
+            warn("params", name);
 }
 
 ExpressionChecker::Known ExpressionChecker::known(Type type) { return {type, is_fraction(type)}; }
 
 /// The result of an operation on two values.
 ExpressionChecker::Known ExpressionChecker::joined(const Known& a, const Known& b) {
-    const bool scalars = a.type <= tokens::DOUBLE && b.type <= tokens::DOUBLE && a.type >= tokens::INT32 && b.type >= tokens::INT32;
-    if (scalars || (a.type == b.type && component_of(a.type) != tokens::UNKNOWN)) return known(std::max(a.type, b.type));
+    const bool scalars = a.type <= tokens::DOUBLE && b.type <= tokens::DOUBLE &&
+                         a.type >= tokens::INT32 && b.type >= tokens::INT32;
+    if (scalars || (a.type == b.type && component_of(a.type) != tokens::UNKNOWN))
+        return known(std::max(a.type, b.type));
     return {Type::UNKNOWN, a.fraction || b.fraction};
 }
 
 void ExpressionChecker::require_offered(const Node& node, Type type) {
-    constexpr std::array offered{tokens::BOOL, tokens::INT32, tokens::INT64, tokens::FLOAT, tokens::DOUBLE, tokens::VEC3I, tokens::VEC3F, tokens::VEC3D};
+    constexpr std::array offered{tokens::BOOL,   tokens::INT32, tokens::INT64, tokens::FLOAT,
+                                 tokens::DOUBLE, tokens::VEC3I, tokens::VEC3F, tokens::VEC3D};
     if (std::find(offered.begin(), offered.end(), type) == offered.end())
-        fault(node,
-              fmt::format("the type '{}' is not supported; use float, vec3f, int, bool, double, vec3d, vec3i or int64", tokens::typeStringFromToken(type)));
+        fault(node, fmt::format("the type '{}' is not supported; use float, vec3f, int, bool, "
+                                "double, vec3d, vec3i or int64",
+                                tokens::typeStringFromToken(type)));
 }
 
-void ExpressionChecker::require_divisor(const Node& divisor, const Known& divided, const Known& by) {
+void ExpressionChecker::require_divisor(const Node& divisor, const Known& divided,
+                                        const Known& by) {
     if (divided.fraction || by.fraction || whole_literal(&divisor).value_or(0) > 0) return;
-    fault(divisor, "a whole number can't be divided by one that may be 0; make one of them a fraction: 1.0f * a / b");
+    fault(divisor,
+          "a whole number can't be divided by one that may be 0; make one of them a fraction: 1.0f "
+          "* a / b");
 }
 
 void ExpressionChecker::require_writable(const Node& target) {
@@ -143,10 +162,14 @@ void ExpressionChecker::require_writable(const Node& target) {
     if (node->nodetype() == Node::AttributeNode) {
         const auto& attribute = as<ast::Attribute>(*node);
         if (attribute.name() != expression_.output)
-            name_fault(target, "@" + attribute.name(), fmt::format("'@{}' can't be written to; write to @{}", attribute.name(), expression_.output));
+            name_fault(target, "@" + attribute.name(),
+                       fmt::format("'@{}' can't be written to; write to @{}", attribute.name(),
+                                   expression_.output));
         writes_ = true;
-    } else if (node->nodetype() == Node::LocalNode && counters_.contains(as<ast::Local>(*node).name())) {
-        fault(target, fmt::format("'{}' counts a loop and can't be changed inside it", as<ast::Local>(*node).name()));
+    } else if (node->nodetype() == Node::LocalNode &&
+               counters_.contains(as<ast::Local>(*node).name())) {
+        fault(target, fmt::format("'{}' counts a loop and can't be changed inside it",
+                                  as<ast::Local>(*node).name()));
     }
 }
 
@@ -201,72 +224,91 @@ ExpressionChecker::Known ExpressionChecker::attribute(const ast::Attribute& node
     const auto type = node.type();
     const auto written = node.tokenname();
     if (node.name() == expression_.output) {
-        if (type != tokens::FLOAT) name_fault(node, "@" + node.name(), fmt::format("@{} is a number, not '{}'", node.name(), written));
+        if (type != tokens::FLOAT)
+            name_fault(node, "@" + node.name(),
+                       fmt::format("@{} is a number, not '{}'", node.name(), written));
         return known(tokens::FLOAT);
     }
     const auto& inputs = expression_.inputs;
     const bool input = std::find(inputs.begin(), inputs.end(), node.name()) != inputs.end();
     const bool moment = !input && (node.name() == frame_input || node.name() == time_input);
     if (moment && type != tokens::FLOAT) {
-        name_fault(node, "@" + node.name(), fmt::format("'{0}' is a number: write @{0}", node.name()));
+        name_fault(node, "@" + node.name(),
+                   fmt::format("'{0}' is a number: write @{0}", node.name()));
         return known(type);
     }
     if (!input && !moment) {
-        name_fault(node, "@" + node.name(), fmt::format("'@{}' is no input{}", node.name(), did_you_mean(node.name(), inputs)));
+        name_fault(
+            node, "@" + node.name(),
+            fmt::format("'@{}' is no input{}", node.name(), did_you_mean(node.name(), inputs)));
         return {type, true};
     }
     if (type != tokens::FLOAT && type != tokens::VEC3F)
-        name_fault(node, "@" + node.name(),
-                   fmt::format("an input can't be read as '{}'; write @{} (numbers, masks) or v@{} (vectors)", written, node.name(), node.name()));
+        name_fault(
+            node, "@" + node.name(),
+            fmt::format(
+                "an input can't be read as '{}'; write @{} (numbers, masks) or v@{} (vectors)",
+                written, node.name(), node.name()));
     note_read(node, node.name(), type == tokens::VEC3F);
     return known(type);
 }
 
 void ExpressionChecker::note_read(const Node& node, const std::string& name, bool vector) {
-    const auto found = std::find_if(reads_.begin(), reads_.end(), [&](const auto& read) { return read.input == name; });
+    const auto found = std::find_if(reads_.begin(), reads_.end(),
+                                    [&](const auto& read) { return read.input == name; });
     if (found == reads_.end()) {
         const auto [line, column] = source_.place(node);
         reads_.push_back({name, vector, line, column});
     } else if (found->vector != vector) {
-        name_fault(node, "@" + name, fmt::format("'{0}' is read as @{0} and as v@{0}; it can't be both", name));
+        name_fault(node, "@" + name,
+                   fmt::format("'{0}' is read as @{0} and as v@{0}; it can't be both", name));
     }
 }
 
 bool ExpressionChecker::reads(const std::string& name) const {
-    return std::any_of(reads_.begin(), reads_.end(), [&](const auto& read) { return read.input == name; });
+    return std::any_of(reads_.begin(), reads_.end(),
+                       [&](const auto& read) { return read.input == name; });
 }
 
 ExpressionChecker::Known ExpressionChecker::external(const ast::ExternalVariable& node) {
     const auto found = expression_.constants.find(node.name());
-    if (found == expression_.constants.end() && node.name() == frame_constant && node.type() == tokens::FLOAT) {
+    if (found == expression_.constants.end() && node.name() == frame_constant &&
+        node.type() == tokens::FLOAT) {
         note_read(node, frame_input, false);
         return known(tokens::FLOAT);
     }
     if (found == expression_.constants.end()) {
         std::vector<std::string> names;
         for (const auto& [name, value] : expression_.constants) names.push_back(name);
-        name_fault(node, "$" + node.name(), fmt::format("'${}' is not among the params{}", node.name(), did_you_mean(node.name(), names)));
+        name_fault(node, "$" + node.name(),
+                   fmt::format("'${}' is not among the params{}", node.name(),
+                               did_you_mean(node.name(), names)));
         return {node.type(), true};
     }
     constants_read_.insert(node.name());
     const bool vector = std::holds_alternative<Vec3>(found->second);
     if (node.type() != (vector ? tokens::VEC3F : tokens::FLOAT))
-        name_fault(node, "$" + node.name(), fmt::format("'{0}' is a {1}: write {2}${0}", node.name(), vector ? "vector" : "number", vector ? "v" : ""));
+        name_fault(node, "$" + node.name(),
+                   fmt::format("'{0}' is a {1}: write {2}${0}", node.name(),
+                               vector ? "vector" : "number", vector ? "v" : ""));
     return known(node.type());
 }
 
 ExpressionChecker::Known ExpressionChecker::local(const ast::Local& node) {
     std::vector<std::string> declared;
     for (auto scope = scopes_.rbegin(); scope != scopes_.rend(); ++scope) {
-        if (const auto found = scope->find(node.name()); found != scope->end()) return known(found->second);
+        if (const auto found = scope->find(node.name()); found != scope->end())
+            return known(found->second);
         for (const auto& [name, type] : *scope) declared.push_back(name);
     }
     const auto& name = node.name();
     const auto& inputs = expression_.inputs;
     std::string remedy = did_you_mean(name, declared);
     if (name == expression_.output) remedy = fmt::format("; write @{} for the output", name);
-    else if (std::find(inputs.begin(), inputs.end(), name) != inputs.end()) remedy = fmt::format("; write @{0} or v@{0} for the input", name);
-    else if (expression_.constants.contains(name)) remedy = fmt::format("; write ${0} or v${0} for the param", name);
+    else if (std::find(inputs.begin(), inputs.end(), name) != inputs.end())
+        remedy = fmt::format("; write @{0} or v@{0} for the input", name);
+    else if (expression_.constants.contains(name))
+        remedy = fmt::format("; write ${0} or v${0} for the param", name);
     name_fault(node, name, fmt::format("there is no variable '{}'{}", name, remedy));
     return {Type::UNKNOWN, true};
 }
@@ -274,7 +316,9 @@ ExpressionChecker::Known ExpressionChecker::local(const ast::Local& node) {
 ExpressionChecker::Known ExpressionChecker::cast(const ast::Cast& node) {
     const auto value = visit(node.expression());
     require_offered(node, node.type());
-    if (value.type == node.type()) fault(node, fmt::format("the cast is redundant: the value is {} already; leave it out", node.typestr()));
+    if (value.type == node.type())
+        fault(node, fmt::format("the cast is redundant: the value is {} already; leave it out",
+                                node.typestr()));
     return known(node.type());
 }
 
@@ -288,8 +332,10 @@ ExpressionChecker::Known ExpressionChecker::unary(const ast::UnaryOperator& node
 ExpressionChecker::Known ExpressionChecker::binary(const ast::BinaryOperator& node) {
     const auto left = visit(node.lhs()), right = visit(node.rhs());
     const auto operation = node.operation();
-    if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT) fault(node, "bit shifts are not supported");
-    if (operation == tokens::DIVIDE || operation == tokens::MODULO) require_divisor(*node.rhs(), left, right);
+    if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT)
+        fault(node, "bit shifts are not supported");
+    if (operation == tokens::DIVIDE || operation == tokens::MODULO)
+        require_divisor(*node.rhs(), left, right);
     const auto kind = tokens::operatorType(operation);
     if (kind == tokens::LOGICAL || kind == tokens::RELATIONAL) return known(tokens::BOOL);
     return joined(left, right);
@@ -300,33 +346,43 @@ ExpressionChecker::Known ExpressionChecker::assign(const ast::AssignExpression& 
     require_writable(*node.lhs());
     // The target of an assignment does not count as read. require_writable has reported its faults.
     const auto* const target = node.lhs();
-    const auto left = target->nodetype() == Node::AttributeNode ? known(as<ast::Attribute>(*target).type())
-                      : target->nodetype() == Node::ArrayUnpackNode && as<ast::ArrayUnpack>(*target).expression()->nodetype() == Node::AttributeNode
-                          ? known(tokens::FLOAT)
-                          : visit(target);
-    if (target->nodetype() == Node::AttributeNode && as<ast::Attribute>(*target).name() == expression_.output && left.type != tokens::FLOAT)
-        name_fault(node, "@" + expression_.output, fmt::format("@{} is a number, not '{}'", expression_.output, as<ast::Attribute>(*target).tokenname()));
+    const auto left =
+        target->nodetype() == Node::AttributeNode ? known(as<ast::Attribute>(*target).type())
+        : target->nodetype() == Node::ArrayUnpackNode &&
+                as<ast::ArrayUnpack>(*target).expression()->nodetype() == Node::AttributeNode
+            ? known(tokens::FLOAT)
+            : visit(target);
+    if (target->nodetype() == Node::AttributeNode &&
+        as<ast::Attribute>(*target).name() == expression_.output && left.type != tokens::FLOAT)
+        name_fault(node, "@" + expression_.output,
+                   fmt::format("@{} is a number, not '{}'", expression_.output,
+                               as<ast::Attribute>(*target).tokenname()));
     // The parser keeps `a /= b` as an assignment with a division.
     const auto operation = node.operation();
-    if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT) fault(node, "bit shifts are not supported");
-    if (operation == tokens::DIVIDE || operation == tokens::MODULO) require_divisor(*node.rhs(), left, right);
+    if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT)
+        fault(node, "bit shifts are not supported");
+    if (operation == tokens::DIVIDE || operation == tokens::MODULO)
+        require_divisor(*node.rhs(), left, right);
     return left;
 }
 
 ExpressionChecker::Known ExpressionChecker::crement(const ast::Crement& node) {
     require_writable(*node.expression());
     const auto* const target = node.expression();
-    return target->nodetype() == Node::AttributeNode ? known(as<ast::Attribute>(*target).type()) : visit(target);
+    return target->nodetype() == Node::AttributeNode ? known(as<ast::Attribute>(*target).type())
+                                                     : visit(target);
 }
 
 ExpressionChecker::Known ExpressionChecker::ternary(const ast::TernaryOperator& node) {
     const auto condition = visit(node.condition());
-    const auto yes = node.hasTrue() ? visit(node.trueBranch()) : condition, no = visit(node.falseBranch());
+    const auto yes = node.hasTrue() ? visit(node.trueBranch()) : condition,
+               no = visit(node.falseBranch());
     return yes.type == no.type ? Known{yes.type, yes.fraction && no.fraction} : joined(yes, no);
 }
 
 ExpressionChecker::Known ExpressionChecker::pack(const ast::ArrayPack& node) {
-    if (node.size() != 3) fault(node, fmt::format("vectors have 3 components, not {}", node.size()));
+    if (node.size() != 3)
+        fault(node, fmt::format("vectors have 3 components, not {}", node.size()));
     Known out;
     for (std::size_t n = 0; n < node.size(); ++n) {
         const auto each = visit(node.child(n));
@@ -339,7 +395,8 @@ ExpressionChecker::Known ExpressionChecker::unpack(const ast::ArrayUnpack& node)
     const auto value = visit(node.expression());
     const auto index = whole_literal(node.component0());
     if (node.isMatrixIndex()) fault(node, "matrices are not supported");
-    else if (!index || *index > 2) fault(node, "a component is .x, .y, .z or [0], [1], [2]; other indices are not supported");
+    else if (!index || *index > 2)
+        fault(node, "a component is .x, .y, .z or [0], [1], [2]; other indices are not supported");
     return {component_of(value.type), value.fraction};
 }
 
@@ -351,15 +408,22 @@ ExpressionChecker::Known ExpressionChecker::call(const ast::FunctionCall& node) 
     if (found == functions().end()) {
         std::vector<std::string> names;
         for (const auto& [each, gives] : functions()) names.push_back(each);
-        name_fault(node, name + "()", fmt::format("there is no function '{}'{}", name, did_you_mean(name, names)));
+        name_fault(node, name + "()",
+                   fmt::format("there is no function '{}'{}", name, did_you_mean(name, names)));
         return {Type::UNKNOWN, true};
     }
     if (name.starts_with("rand") && arguments.empty())
-        fault(node, fmt::format("{0} needs a seed, as in {0}(@density): without one no two runs are the same", name));
+        fault(node,
+              fmt::format(
+                  "{0} needs a seed, as in {0}(@density): without one no two runs are the same",
+                  name));
     if (name.starts_with("get")) asks_where_ = true;
-    if (name.ends_with("mod") && arguments.size() == 2) require_divisor(*node.child(1), arguments[0], arguments[1]);
-    const bool fraction = std::any_of(arguments.begin(), arguments.end(), [](const Known& each) { return each.fraction; });
-    return {Type::UNKNOWN, found->second == Gives::fraction || (found->second == Gives::as_given && fraction)};
+    if (name.ends_with("mod") && arguments.size() == 2)
+        require_divisor(*node.child(1), arguments[0], arguments[1]);
+    const bool fraction = std::any_of(arguments.begin(), arguments.end(),
+                                      [](const Known& each) { return each.fraction; });
+    return {Type::UNKNOWN,
+            found->second == Gives::fraction || (found->second == Gives::as_given && fraction)};
 }
 
 ExpressionChecker::Known ExpressionChecker::declare(const ast::DeclareLocal& node) {
@@ -367,79 +431,6 @@ ExpressionChecker::Known ExpressionChecker::declare(const ast::DeclareLocal& nod
     require_offered(node, node.type());
     scopes_.back()[node.local()->name()] = node.type();
     return known(node.type());
-}
-
-std::optional<double> ExpressionChecker::stated_number(const Node* node) const {
-    if (!node) return std::nullopt;
-    if (node->nodetype() == Node::UnaryOperatorNode && as<ast::UnaryOperator>(*node).operation() == tokens::MINUS) {
-        const auto value = stated_number(as<ast::UnaryOperator>(*node).expression());
-        return value ? std::optional(-*value) : std::nullopt;
-    }
-    if (node->nodetype() == Node::ExternalVariableNode) {
-        const auto found = expression_.constants.find(as<ast::ExternalVariable>(*node).name());
-        if (found != expression_.constants.end())
-            if (const auto* const number = std::get_if<double>(&found->second)) return *number;
-        return std::nullopt;
-    }
-    const auto whole = whole_literal(node);
-    return whole ? std::optional(static_cast<double>(*whole)) : std::nullopt;
-}
-
-std::optional<double> ExpressionChecker::rounds(const ast::Loop& node) const {
-    if (node.loopType() != tokens::FOR || !node.hasInit() || !node.hasIter() || !node.condition()) return std::nullopt;
-    if (node.initial()->nodetype() != Node::DeclareLocalNode || node.condition()->nodetype() != Node::BinaryOperatorNode) return std::nullopt;
-    const auto& initial = as<ast::DeclareLocal>(*node.initial());
-    const auto& condition = as<ast::BinaryOperator>(*node.condition());
-    const auto& counter = initial.local()->name();
-    const auto first = initial.hasInit() ? stated_number(initial.init()) : 0.0, end = stated_number(condition.rhs());
-    if ((initial.type() != tokens::INT32 && initial.type() != tokens::INT64) || !is_local(condition.lhs(), counter)) return std::nullopt;
-
-    std::optional<double> step;
-    if (node.iteration()->nodetype() == Node::CrementNode) {
-        const auto& crement = as<ast::Crement>(*node.iteration());
-        if (is_local(crement.expression(), counter)) step = crement.increment() ? 1 : -1;
-    } else if (node.iteration()->nodetype() == Node::AssignExpressionNode) {
-        const auto& assign = as<ast::AssignExpression>(*node.iteration());
-        const auto by = whole_literal(assign.rhs());
-        if (is_local(assign.lhs(), counter) && by && assign.operation() == tokens::PLUS) step = static_cast<double>(*by);
-        if (is_local(assign.lhs(), counter) && by && assign.operation() == tokens::MINUS) step = -static_cast<double>(*by);
-    }
-    if (!first || !end || !step || *step == 0 || std::abs(*first) > furthest || std::abs(*end) > furthest || std::abs(*step) > furthest) return std::nullopt;
-
-    const auto operation = condition.operation();
-    const bool rises = operation == tokens::LESSTHAN || operation == tokens::LESSTHANOREQUAL,
-               falls = operation == tokens::MORETHAN || operation == tokens::MORETHANOREQUAL;
-    const bool last_too = operation == tokens::LESSTHANOREQUAL || operation == tokens::MORETHANOREQUAL;
-    if ((!rises && !falls) || (rises && *step < 0) || (falls && *step > 0)) return std::nullopt;
-    const double steps = (*end - std::trunc(*first)) / *step;
-    return std::max(0.0, last_too ? std::floor(steps) + 1 : std::ceil(steps));
-}
-
-ExpressionChecker::Known ExpressionChecker::loop(const ast::Loop& node) {
-    const auto count = rounds(node);
-    if (!count)
-        fault(node, fmt::format("'{}' may never end; count to a stated end, as in for (int i = 0; i < 10; ++i), and leave it early by break",
-                                tokens::loopNameFromToken(node.loopType())));
-    scopes_.emplace_back();
-    visit(node.initial());
-    visit(node.condition());
-    if (!count) {
-        visit(node.body());
-        scopes_.pop_back();
-        return {};
-    }
-    const auto& counter = as<ast::DeclareLocal>(*node.initial()).local()->name();
-    if (!counters_.insert(counter).second)
-        fault(node, fmt::format("'{}' already counts a loop around this one; give this loop's counter another name", counter));
-    const auto around = around_;
-    around_ *= *count;
-    rounds_ += around_;
-    if (rounds_ > most_rounds) fault(node, fmt::format("the loops run {:.0f} times for each voxel; {:.0f} are the most", rounds_, most_rounds));
-    visit(node.body());
-    around_ = around;
-    counters_.erase(counter);
-    scopes_.pop_back();
-    return {};
 }
 
 }  // namespace fluidcarve

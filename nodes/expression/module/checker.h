@@ -13,15 +13,19 @@
 
 namespace fluidcarve {
 
-/// Checks a syntax tree for code that AX accepts, but that crashes, never ends, or silently reads as zero (ExpressionModule).
+/// Checks a syntax tree for code that AX accepts, but that crashes, never ends, or silently reads
+/// as zero (ExpressionModule).
 class ExpressionChecker {
 public:
-    ExpressionChecker(const Expression& expression, const ExpressionSource& source, std::vector<ExpressionFault>& faults)
+    ExpressionChecker(const Expression& expression, const ExpressionSource& source,
+                      std::vector<ExpressionFault>& faults)
         : expression_(expression), source_(source), faults_(faults) {}
 
-    /// Finds all faults, but none that follows from another: a name that is wrong in many places is reported once.
+    /// Finds all faults, but none that follows from another: a name that is wrong in many places is
+    /// reported once.
     void check();
-    /// Adds a warning for each input and constant that the program never reads. Call it if there are no faults.
+    /// Adds a warning for each input and constant that the program never reads. Call it if there
+    /// are no faults.
     void warn_of_unread();
 
     /// As CompiledExpression::reads. Valid if there are no faults.
@@ -38,7 +42,8 @@ private:
     };
 
     void fault(const Node& node, const std::string& message);
-    /// Reports a fault of a name, unless one of that name is reported. @param name  with its sign: "@d", "$gain", "speed", "length()"
+    /// Reports a fault of a name, unless one of that name is reported.
+    /// @param name  with its sign: "@d", "$gain", "speed", "length()"
     void name_fault(const Node& node, const std::string& name, const std::string& message);
     void note_read(const Node& node, const std::string& name, bool vector);
     bool reads(const std::string& name) const;

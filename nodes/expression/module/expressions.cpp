@@ -1,14 +1,13 @@
-#include "graph/text/problem.h"
-#include "graph/types/module.h"
+#include "carve/base/failure.h"
+#include "formats/file/module.h"
 #include "nodes/expression/expression.h"
 #include "nodes/expression/module/checker.h"
 #include "nodes/expression/module/rewriter.h"
 
+#include <fmt/format.h>
 #include <openvdb_ax/ax.h>
 #include <openvdb_ax/compiler/Compiler.h>
 #include <openvdb_ax/compiler/VolumeExecutable.h>
-
-#include <fmt/format.h>
 
 #include <mutex>
 
@@ -25,7 +24,8 @@ struct Executable : CompiledExpression {
     ax::VolumeExecutable::Ptr program;
 };
 
-std::shared_ptr<const CompiledExpression> compile(const Expression& expression, std::vector<ExpressionFault>& faults) {
+std::shared_ptr<const CompiledExpression> compile(const Expression& expression,
+                                                  std::vector<ExpressionFault>& faults) {
     // Neither the parser nor the start of LLVM is thread-safe.
     static std::mutex mutex;
     const std::lock_guard lock(mutex);
@@ -33,7 +33,9 @@ std::shared_ptr<const CompiledExpression> compile(const Expression& expression, 
 
     const auto before = faults.size();
     if (expression.code.size() > most_bytes) {
-        faults.push_back({"code", 0, 0, fmt::format("has {} bytes; {} are the most", expression.code.size(), most_bytes)});
+        faults.push_back(
+            {"code", 0, 0,
+             fmt::format("has {} bytes; {} are the most", expression.code.size(), most_bytes)});
         return nullptr;
     }
     const ExpressionSource source(expression.code, faults);

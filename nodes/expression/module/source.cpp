@@ -17,15 +17,18 @@ void plain(ax::Logger& logger) {
 }
 
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
-    for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
+    for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+        text.replace(at, from.size(), to);
 }
 
 /// Names of tokens in the parser's messages, and the text for people.
 constexpr std::array<std::pair<const char*, const char*>, 24> tokens{{
-    {"SEMICOLON", "';'"}, {"LPARENS", "'('"}, {"RPARENS", "')'"},  {"LCURLY", "'{'"},        {"RCURLY", "'}'"}, {"LSQUARE", "'['"},
-    {"RSQUARE", "']'"},   {"COMMA", "','"},   {"QUESTION", "'?'"}, {"COLON", "':'"},         {"DOLLAR", "'$'"}, {"V_DOLLAR", "'v$'"},
-    {"AT", "'@'"},        {"V_AT", "'v@'"},   {"DOT_X", "'.x'"},   {"DOT_Y", "'.y'"},        {"DOT_Z", "'.z'"}, {"EQUALS", "'='"},
-    {"PLUS", "'+'"},      {"MINUS", "'-'"},   {"MULTIPLY", "'*'"}, {"IDENTIFIER", "a name"}, {"DIVIDE", "'/'"}, {"ELSE", "'else'"},
+    {"SEMICOLON", "';'"}, {"LPARENS", "'('"},       {"RPARENS", "')'"}, {"LCURLY", "'{'"},
+    {"RCURLY", "'}'"},    {"LSQUARE", "'['"},       {"RSQUARE", "']'"}, {"COMMA", "','"},
+    {"QUESTION", "'?'"},  {"COLON", "':'"},         {"DOLLAR", "'$'"},  {"V_DOLLAR", "'v$'"},
+    {"AT", "'@'"},        {"V_AT", "'v@'"},         {"DOT_X", "'.x'"},  {"DOT_Y", "'.y'"},
+    {"DOT_Z", "'.z'"},    {"EQUALS", "'='"},        {"PLUS", "'+'"},    {"MINUS", "'-'"},
+    {"MULTIPLY", "'*'"},  {"IDENTIFIER", "a name"}, {"DIVIDE", "'/'"},  {"ELSE", "'else'"},
 }};
 
 void name_tokens(std::string& text) {
@@ -51,7 +54,8 @@ ExpressionFault fault_of(const std::string& message) {
     out.line = std::atoi(message.c_str() + space + 1);
     out.column = std::atoi(message.c_str() + colon + 1);
     out.message.resize(space);
-    // The parser takes the first 14 letters of each message for "syntax error, ", those of "memory exhausted" too.
+    // The parser takes the first 14 letters of each message for "syntax error, ", those of "memory
+    // exhausted" too.
     if (out.message == "ed") out.message = "nested too deep";
     if (out.message.starts_with("unexpected ")) name_tokens(out.message);
     replace_all(out.message, " \ncandidates are: \n", "; known: ");

@@ -11,7 +11,8 @@
 
 namespace fluidcarve {
 
-/// Converts a message of AX to a fault. The message ends with its place: "unexpected SEMICOLON 1:15".
+/// Converts a message of AX to a fault. The message ends with its place: "unexpected SEMICOLON
+/// 1:15".
 ExpressionFault fault_of(const std::string& message);
 
 /// The syntax tree of a program, with the places of its nodes.
@@ -27,7 +28,8 @@ public:
 
 private:
     mutable std::vector<std::string> messages_;
-    mutable openvdb::ax::Logger logger_;  ///< the only source of places: it prints them at the end of a message
+    mutable openvdb::ax::Logger
+        logger_;  ///< the only source of places: it prints them at the end of a message
     openvdb::ax::ast::Tree::ConstPtr tree_;
 };
 

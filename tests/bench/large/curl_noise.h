@@ -4,7 +4,8 @@
 
 #include <vector>
 
-/// Swirls without sources: the curl of smoothed random vectors, repeated in all directions. Root mean square 1 along each axis.
+/// Swirls without sources: the curl of smoothed random vectors, repeated in all directions. Root
+/// mean square 1 along each axis.
 class CurlNoise {
 public:
     explicit CurlNoise(unsigned seed);

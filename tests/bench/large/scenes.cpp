@@ -14,7 +14,8 @@ using openvdb::Vec3d;
 
 namespace {
 
-/// The river's water alone, as a volume: a hundred million particles would fill the disk. All else is as in river.yaml.
+/// The river's water alone, as a volume: a hundred million particles would fill the disk. All else
+/// is as in river.yaml.
 constexpr auto river = R"(fluidcarve: 1
 params:
   sim:    {type: path}
@@ -33,7 +34,9 @@ nodes:
   out:     {type: vdb.write, source: carved, path: "${out}"}
 )";
 
-std::string text(const Vec3d& vector) { return fmt::format("[{:.9g}, {:.9g}, {:.9g}]", vector.x(), vector.y(), vector.z()); }
+std::string text(const Vec3d& vector) {
+    return fmt::format("[{:.9g}, {:.9g}, {:.9g}]", vector.x(), vector.y(), vector.z());
+}
 
 /// Copies a curve or a mesh, stretched. @return the copy
 std::string stretched(const std::string& path, const Vec3d& by, const std::string& folder) {
@@ -51,7 +54,8 @@ std::string stretched(const std::string& path, const Vec3d& by, const std::strin
         Vec3d at;
         if ((!mesh || mark == "v") && words >> at.x() >> at.y() >> at.z()) {
             at *= by;
-            line = mesh ? fmt::format("v {:.9g} {:.9g} {:.9g}", at.x(), at.y(), at.z()) : fmt::format("{:.9g},{:.9g},{:.9g}", at.x(), at.y(), at.z());
+            line = mesh ? fmt::format("v {:.9g} {:.9g} {:.9g}", at.x(), at.y(), at.z())
+                        : fmt::format("{:.9g},{:.9g},{:.9g}", at.x(), at.y(), at.z());
         }
         out << line << '\n';
     }
@@ -75,18 +79,26 @@ const std::vector<TableScene>& table_scenes() {
 std::string files_of(const TableScene& scene, const std::string& folder) {
     for (const auto& stem : scene.files)
         for (const auto& entry : std::filesystem::directory_iterator(folder + "/" + scene.name))
-            if (entry.path().filename().string().starts_with(stem + ".")) return fmt::format("{}/{}/{}.####.vdb", folder, scene.name, stem);
-    throw std::runtime_error(fmt::format("there is no {} in {}/{}", fmt::join(scene.files, " or "), folder, scene.name));
+            if (entry.path().filename().string().starts_with(stem + "."))
+                return fmt::format("{}/{}/{}.####.vdb", folder, scene.name, stem);
+    throw std::runtime_error(
+        fmt::format("there is no {} in {}/{}", fmt::join(scene.files, " or "), folder, scene.name));
 }
 
-std::string arguments_for(const TableScene& scene, const Made& made, const std::string& folder, const std::string& scratch) {
+std::string arguments_for(const TableScene& scene, const Made& made, const std::string& folder,
+                          const std::string& scratch) {
     const auto& by = made.stretch;
     const double narrow = std::min(by.x(), by.y()), wide = std::max(by.x(), by.y());
     std::string out;
-    const auto set = [&](const std::string& what, const std::string& value) { out += fmt::format(" --set '{}={}'", what, value); };
-    const auto range = [&](const std::string& what, double low, double high) { set(what, fmt::format("[{:.9g}, {:.9g}]", low, high)); };
+    const auto set = [&](const std::string& what, const std::string& value) {
+        out += fmt::format(" --set '{}={}'", what, value);
+    };
+    const auto range = [&](const std::string& what, double low, double high) {
+        set(what, fmt::format("[{:.9g}, {:.9g}]", low, high));
+    };
     const auto vertices = [&](const std::string& what, double low, double high, double spacing) {
-        set(what, fmt::format("[{}, {}]", std::lround(low * spacing / made.voxel), std::lround(high * spacing / made.voxel)));
+        set(what, fmt::format("[{}, {}]", std::lround(low * spacing / made.voxel),
+                              std::lround(high * spacing / made.voxel)));
     };
     const auto voxel = fmt::format("{:.9g}", made.voxel);
     set("seams.count", fmt::format("{}", scene.count));
@@ -125,7 +137,8 @@ std::string arguments_for(const TableScene& scene, const Made& made, const std::
         set("place", text(by * Vec3d(-1.2759615, -1.2759615, 0.0240385)));
         set("voxel", voxel);
         set("path", stretched(folder + "/trail/path.csv", by, scratch));
-        set("tube.radius", fmt::format("{:.9g}", 0.75 * narrow));  // wider, planes would cross in the bends
+        set("tube.radius",
+            fmt::format("{:.9g}", 0.75 * narrow));  // wider, planes would cross in the bends
     } else {
         out = "pipelines/plume_large.yaml" + out;
     }

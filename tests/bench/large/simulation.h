@@ -16,14 +16,17 @@ public:
         Cells<openvdb::Vec3f> velocity;  ///< cells per frame
     };
 
-    /// Looks at all frames. Particles without a density count as water: what fills a cell has density 1.
-    /// @param files  a path with `####`, as Blender writes them: velocities staggered, a frame apart
-    /// @throws std::runtime_error, Failure if there are no such files, or one has no density or velocity
+    /// Looks at all frames. Particles without a density count as water: what fills a cell has
+    /// density 1.
+    /// @param files  a path with `####`, as Blender writes them: velocities staggered, a frame
+    ///   apart
+    /// @throws std::runtime_error, Failure if there are no such files, or one has no density or
+    ///   velocity
     explicit Simulation(const std::string& files);
 
     const openvdb::CoordBBox& box() const { return box_; }  ///< cells of the files
     double voxel() const { return voxel_; }                 ///< world units
-    double last() const { return last_ - first_; }          ///< time of the last frame; the first is at 0
+    double last() const { return last_ - first_; }  ///< time of the last frame; the first is at 0
 
     /// Between two frames, what each shows is moved along its flow, and mixed.
     Moment at(double time);

@@ -36,15 +36,19 @@ struct Cost {
 double processor_seconds() {
     rusage usage{};
     getrusage(RUSAGE_CHILDREN, &usage);
-    const auto of = [](const timeval& time) { return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec); };
+    const auto of = [](const timeval& time) {
+        return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+    };
     return of(usage.ru_utime) + of(usage.ru_stime);
 }
 
 /// What a row took at one length.
 struct Measured {
     int frames = 0;
-    std::vector<int> shape;          ///< of the lattice: I, J, K, frames
-    double energies = 0, remap = 0;  ///< seconds: of the pass that solvers gather from; of all that follows the seams
+    std::vector<int> shape;  ///< of the lattice: I, J, K, frames
+    double energies = 0,
+           remap =
+               0;  ///< seconds: of the pass that solvers gather from; of all that follows the seams
     double processor = 0;            ///< seconds of the whole pipeline with the greedy solver
     double greedy = 0, pyramid = 0;  ///< seconds a seam
     double whole = 0;                ///< seconds of the pipeline with the greedy solver
@@ -70,7 +74,8 @@ double line_at(const std::vector<std::pair<double, double>>& points, double x) {
 /// Measures a row, in a folder of its own.
 class Row {
 public:
-    Row(const TableScene& scene, const TableRequest& request) : scene_(scene), request_(request), folder_(fs::absolute(request.scratch) / scene.name) {
+    Row(const TableScene& scene, const TableRequest& request)
+        : scene_(scene), request_(request), folder_(fs::absolute(request.scratch) / scene.name) {
         fs::remove_all(folder_);
         fs::create_directories(folder_);
     }
@@ -83,12 +88,15 @@ public:
 
     /// At one length, or at three if not all frames may be measured.
     std::vector<Measured> lengths() {
-        const int wanted = request_.frames > 0 ? std::min(request_.frames, scene_.frames) : scene_.frames;
+        const int wanted =
+            request_.frames > 0 ? std::min(request_.frames, scene_.frames) : scene_.frames;
         const int tried = std::min(tried_frames, wanted);
         make(tried);
         auto first = measure(tried);
         const double free = static_cast<double>(fs::space(folder_).available);
-        const double a_frame = first.disk / tried + scene_.bytes * static_cast<double>(first.shape[0]) * first.shape[1] * first.shape[2];
+        const double a_frame = first.disk / tried + scene_.bytes *
+                                                        static_cast<double>(first.shape[0]) *
+                                                        first.shape[1] * first.shape[2];
         const int most = std::min(wanted, static_cast<int>(disk_share * free / a_frame));
         if (most <= tried) {
             if (tried == scene_.frames) return {first};
@@ -108,24 +116,34 @@ private:
     void make(int frames) {
         fs::create_directories(folder_ / "in");
         const auto start = std::chrono::steady_clock::now();
-        made_ = make_sequence({files_of(scene_, fs::absolute(request_.folder)), scene_.size, scene_.frames, frames, 1, scene_.velocity, path("in/in.####.vdb")},
-                              [&](int frame) { fmt::print(stderr, "\r{}: frame {} of {} ", scene_.name, frame, frames); });
+        made_ = make_sequence({files_of(scene_, fs::absolute(request_.folder)), scene_.size,
+                               scene_.frames, frames, 1, scene_.velocity, path("in/in.####.vdb")},
+                              [&](int frame) {
+                                  fmt::print(stderr, "\r{}: frame {} of {} ", scene_.name, frame,
+                                             frames);
+                              });
         fmt::print(stderr, "\n");
         making_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
 
     Cost run(int frames, const std::string& more) const {
-        const auto call = fmt::format("run {} -q --progress none --memory {} --work '{}' --report '{}' --set 'sim={}' --set 'out={}' --set frames=1-{} {}",
-                                      arguments_for(scene_, made_, fs::absolute(request_.folder), folder_), request_.memory, path("work"), path("report.json"),
-                                      path("in/in.####.vdb"), path("out/out.####.vdb"), frames, more);
+        const auto call = fmt::format(
+            "run {} -q --progress none --memory {} --work '{}' --report '{}' --set 'sim={}' --set "
+            "'out={}' --set frames=1-{} {}",
+            arguments_for(scene_, made_, fs::absolute(request_.folder), folder_), request_.memory,
+            path("work"), path("report.json"), path("in/in.####.vdb"), path("out/out.####.vdb"),
+            frames, more);
         const auto start = std::chrono::steady_clock::now();
         const double before = processor_seconds();
         const auto called = fluidcarve_program(call);
-        if (called.code != 0) throw std::runtime_error(fmt::format("fluidcarve {}\n{}", call, called.err));
-        Cost out{std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), processor_seconds() - before, 0,
+        if (called.code != 0)
+            throw std::runtime_error(fmt::format("fluidcarve {}\n{}", call, called.err));
+        Cost out{std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
+                 processor_seconds() - before, 0,
                  nlohmann::json::parse(Scratch::read(path("report.json")))};
         out.memory = out.report.at("peak_rss_bytes");
-        fmt::print(stderr, "{}, {} frames: {:.1f} s, {:.1f} s of processors, {}\n", scene_.name, frames, out.wall, out.processor, more);
+        fmt::print(stderr, "{}, {} frames: {:.1f} s, {:.1f} s of processors, {}\n", scene_.name,
+                   frames, out.wall, out.processor, more);
         return out;
     }
 
@@ -138,7 +156,8 @@ private:
         const auto rest = run(frames, "--to out --set seams.type=seam.greedy");
         const auto& seams = greedy.report.at("seams").at("seams");
         const auto a_seam = [](const Cost& cost) {
-            const auto all = cost.report.at("seams").at("seams").at("wall_s").get<std::vector<double>>();
+            const auto all =
+                cost.report.at("seams").at("seams").at("wall_s").get<std::vector<double>>();
             return std::reduce(all.begin(), all.end()) / static_cast<double>(all.size());
         };
         Measured out{frames,
@@ -153,8 +172,10 @@ private:
                      0,
                      seams.value("finest", 1),
                      pyramid.report.at("seams").at("seams").at("gap").front().get<double>()};
-        for (const auto* const cost : {&energies, &pyramid, &greedy, &rest}) out.memory = std::max(out.memory, cost->memory);
-        out.disk = static_cast<double>(made_.bytes) * frames / made_.frames + bytes_in(path("work")) + bytes_in(path("out"));
+        for (const auto* const cost : {&energies, &pyramid, &greedy, &rest})
+            out.memory = std::max(out.memory, cost->memory);
+        out.disk = static_cast<double>(made_.bytes) * frames / made_.frames +
+                   bytes_in(path("work")) + bytes_in(path("out"));
         return out;
     }
 
@@ -165,39 +186,55 @@ private:
     double making_ = 0;
 };
 
-std::string seconds_text(double seconds) { return seconds < 10 ? fmt::format("{:.2f}", seconds) : fmt::format("{:.0f}", seconds); }
+std::string seconds_text(double seconds) {
+    return seconds < 10 ? fmt::format("{:.2f}", seconds) : fmt::format("{:.0f}", seconds);
+}
 
 constexpr auto about =
     "# Whole pipelines at the paper's sizes: its table 2\n\n"
-    "Each sequence is made of a simulation in `{}`, by `quality make`: as many voxels and frames as the paper's. It is carved by the shipped pipeline of "
-    "that name, by as many seams as the paper's; of the river, the water alone. Below, `paper` is what the paper states.\n\n"
-    "- voxels: along x, y and z, with z up, where the paper's y is. Lattice: vertices along u, v and w; `half` where seams are found at half size, as larger "
+    "Each sequence is made of a simulation in `{}`, by `quality make`: as many voxels and frames "
+    "as the paper's. It is carved by the shipped pipeline of "
+    "that name, by as many seams as the paper's; of the river, the water alone. Below, `paper` is "
+    "what the paper states.\n\n"
+    "- voxels: along x, y and z, with z up, where the paper's y is. Lattice: vertices along u, v "
+    "and w; `half` where seams are found at half size, as larger "
     "lattices have it unless told otherwise.\n"
-    "- greedy, pyramid: seconds a seam, the mean of all, with the pipeline's own parameters. Gap: how far the pyramid's first seam is above the lower bound on "
+    "- greedy, pyramid: seconds a seam, the mean of all, with the pipeline's own parameters. Gap: "
+    "how far the pyramid's first seam is above the lower bound on "
     "the energy of any seam, at most; at half size, of any seam of that size.\n"
-    "- energies: seconds to read all frames and compute what the solver takes. Remap: seconds to read, carve and write all frames, all seams at once. The "
+    "- energies: seconds to read all frames and compute what the solver takes. Remap: seconds to "
+    "read, carve and write all frames, all seams at once. The "
     "paper's is a "
     "remap alone, and one is needed for each seam.\n"
-    "- whole: seconds of the pipeline with the greedy solver, and those of all processors together.\n"
-    "- memory: the most that a run held, mapped files included; `--memory {}` was asked for. Disk: input, output and work folder.\n\n"
-    "`seam.pyramid` cuts finer energies up to a million columns, vertices across u times frames. So its seconds grow faster up to there than beyond.\n\n"
-    "{} threads. A row with fewer frames than the paper's has three lengths, and in the last line what a straight line through them gives for all frames.\n\n"
-    "| scene | voxels | lattice | frames | greedy | paper | pyramid | / greedy | gap | energies | remap | paper | whole | processors | memory GB | disk GB |\n"
+    "- whole: seconds of the pipeline with the greedy solver, and those of all processors "
+    "together.\n"
+    "- memory: the most that a run held, mapped files included; `--memory {}` was asked for. Disk: "
+    "input, output and work folder.\n\n"
+    "`seam.pyramid` cuts finer energies up to a million columns, vertices across u times frames. "
+    "So its seconds grow faster up to there than beyond.\n\n"
+    "{} threads. A row with fewer frames than the paper's has three lengths, and in the last line "
+    "what a straight line through them gives for all frames.\n\n"
+    "| scene | voxels | lattice | frames | greedy | paper | pyramid | / greedy | gap | energies | "
+    "remap | paper | whole | processors | memory GB | disk GB |\n"
     "|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n";
 
 std::string line_of(const TableScene& scene, const Measured& at, const std::string& frames) {
-    return fmt::format("| {} | {}x{}x{} | {}x{}x{}{} | {} | {} | {} | {} | {:.1f} | {:.1f} % | {} | {} | {} | {} | {} | {:.1f} | {:.1f} |\n", scene.name,
-                       scene.size.x(), scene.size.y(), scene.size.z(), at.shape[0], at.shape[1], at.shape[2], at.finest == 2 ? " half" : "", frames,
-                       seconds_text(at.greedy), scene.paper_greedy, seconds_text(at.pyramid), at.pyramid / at.greedy, 100 * at.gap, seconds_text(at.energies),
-                       seconds_text(at.remap), scene.paper_remap > 0 ? fmt::format("{}", scene.paper_remap) : "-", seconds_text(at.whole),
-                       seconds_text(at.processor), at.memory / 1e9, at.disk / 1e9);
+    return fmt::format(
+        "| {} | {}x{}x{} | {}x{}x{}{} | {} | {} | {} | {} | {:.1f} | {:.1f} % | {} | {} | {} | {} "
+        "| {} | {:.1f} | {:.1f} |\n",
+        scene.name, scene.size.x(), scene.size.y(), scene.size.z(), at.shape[0], at.shape[1],
+        at.shape[2], at.finest == 2 ? " half" : "", frames, seconds_text(at.greedy),
+        scene.paper_greedy, seconds_text(at.pyramid), at.pyramid / at.greedy, 100 * at.gap,
+        seconds_text(at.energies), seconds_text(at.remap),
+        scene.paper_remap > 0 ? fmt::format("{}", scene.paper_remap) : "-", seconds_text(at.whole),
+        seconds_text(at.processor), at.memory / 1e9, at.disk / 1e9);
 }
 
 /// What lengths foretell of all frames.
 Measured foretold(const std::vector<Measured>& lengths, int frames) {
     auto out = lengths.back();
-    for (auto figure :
-         {&Measured::energies, &Measured::remap, &Measured::processor, &Measured::greedy, &Measured::pyramid, &Measured::whole, &Measured::disk}) {
+    for (auto figure : {&Measured::energies, &Measured::remap, &Measured::processor,
+                        &Measured::greedy, &Measured::pyramid, &Measured::whole, &Measured::disk}) {
         std::vector<std::pair<double, double>> points;
         for (const auto& at : lengths) points.emplace_back(at.frames, at.*figure);
         out.*figure = line_at(points, frames);
@@ -208,13 +245,19 @@ Measured foretold(const std::vector<Measured>& lengths, int frames) {
 }  // namespace
 
 void measure_table(const TableRequest& request) {
-    std::string page = fmt::format(about, fs::path(request.folder).lexically_normal().filename().string(), request.memory, std::thread::hardware_concurrency());
+    std::string page =
+        fmt::format(about, fs::path(request.folder).lexically_normal().filename().string(),
+                    request.memory, std::thread::hardware_concurrency());
     for (const auto& scene : table_scenes()) {
-        if (!request.only.empty() && std::ranges::find(request.only, scene.name) == request.only.end()) continue;
+        if (!request.only.empty() &&
+            std::ranges::find(request.only, scene.name) == request.only.end())
+            continue;
         Row row(scene, request);
         const auto lengths = row.lengths();
         for (const auto& at : lengths) page += line_of(scene, at, fmt::format("{}", at.frames));
-        if (lengths.back().frames < scene.frames) page += line_of(scene, foretold(lengths, scene.frames), fmt::format("{} by the slope", scene.frames));
+        if (lengths.back().frames < scene.frames)
+            page += line_of(scene, foretold(lengths, scene.frames),
+                            fmt::format("{} by the slope", scene.frames));
         fmt::print("{} made in {:.2f} s a frame\n{}", scene.name, row.seconds_a_frame_made(),
                    line_of(scene, lengths.back(), fmt::format("{}", lengths.back().frames)));
         std::ofstream out(request.out + ".md");

@@ -12,7 +12,8 @@ struct TableRequest {
     std::string scratch = "out/table_scratch";  ///< sequences and results; deleted row by row
 };
 
-/// The paper's table 2, with whole pipelines: each row's sequence is made at the paper's size and carved by the shipped pipeline, in runs of
-/// their own for the energies, the seams of both solvers, and the remap. Where the disk is too small for all frames: as many as fit.
+/// The paper's table 2, with whole pipelines: each row's sequence is made at the paper's size and
+/// carved by the shipped pipeline, in runs of their own for the energies, the seams of both
+/// solvers, and the remap. Where the disk is too small for all frames: as many as fit.
 /// @throws std::runtime_error, Failure if a sequence is missing or a run fails
 void measure_table(const TableRequest& request);

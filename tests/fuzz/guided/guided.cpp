@@ -1,17 +1,18 @@
 // Gives the parsers of this project bytes that libFuzzer chooses by what they make a parser do:
 //   guided --list
 //   guided --parser=NAME [OPTION OF LIBFUZZER]... [FOLDER]...
-// A parser refuses what is damaged by a Failure or a problem. All else that it throws, and all that sanitizers find, ends the program.
+// A parser refuses what is damaged by a Failure or a problem. All else that it throws, and all that
+// sanitizers find, ends the program.
 
+#include "carve/base/frame_set.h"
+#include "formats/file/input_file.h"
+#include "formats/geometry_file/curve_file.h"
+#include "formats/image/image_provenance.h"
+#include "formats/mesh_file/mesh_file.h"
+#include "formats/points_file/ply.h"
+#include "formats/seam_file/seam_file.h"
+#include "formats/vdb/vdb_file.h"
 #include "graph/document.h"
-#include "graph/input_file.h"
-#include "graph/types/frames.h"
-#include "nodes/image/image_provenance.h"
-#include "nodes/io/vdb_file.h"
-#include "nodes/mesh/mesh_file.h"
-#include "nodes/points/ply.h"
-#include "nodes/rig/curve_file.h"
-#include "nodes/seams/seam_file.h"
 #include "runtime/jobs/job_status.h"
 #include "runtime/keep/history.h"
 #include "runtime/keep/manifest.h"
@@ -56,7 +57,8 @@ Parser of_file(const std::string& name, const std::function<void(const std::stri
     const auto path = folder() + "/" + name;
     std::filesystem::create_directories(std::filesystem::path(path).parent_path());
     return [path, read](const std::string& bytes) {
-        std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+        std::ofstream(path, std::ios::binary)
+            .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
         read(path);
     };
 }
@@ -98,18 +100,35 @@ const std::map<std::string, std::function<Parser()>>& parsers() {
         {"ply", [] { return of_file("a.ply", mesh); }},
         {"off", [] { return of_file("a.off", mesh); }},
         {"stl", [] { return of_file("a.stl", mesh); }},
-        {"points", [] { return of_file("p.ply", [](const std::string& path) { read_ply(path); }); }},
+        {"points",
+         [] { return of_file("p.ply", [](const std::string& path) { read_ply(path); }); }},
         {"curve_obj", [] { return of_file("c.obj", curve); }},
         {"curve_ply", [] { return of_file("c.ply", curve); }},
         {"curve_csv", [] { return of_file("c.csv", curve); }},
-        {"vdb", [] { return of_file("a.vdb", [](const std::string& path) { VdbFile(path, budget).header(); }); }},
-        {"seams", [] { return of_file("s.vdb", [](const std::string& path) { read_seams(path); }); }},
-        {"image", [] { return of_file("a.png", [](const std::string& path) { provenance_of_image(InputFile(path, {.what = "an image"})); }); }},
+        {"vdb",
+         [] {
+             return of_file("a.vdb",
+                            [](const std::string& path) { VdbFile(path, budget).header(); });
+         }},
+        {"seams",
+         [] { return of_file("s.vdb", [](const std::string& path) { read_seams(path); }); }},
+        {"image",
+         [] {
+             return of_file("a.png", [](const std::string& path) {
+                 provenance_of_image(InputFile(path, {.what = "an image"}));
+             });
+         }},
         {"manifest", [] { return of_file("m", [](const std::string& path) { Manifest{path}; }); }},
-        {"history", [] { return of_file("work/history/p.json", [](const std::string&) { History(folder() + "/work", "p.yaml").of("sim"); }); }},
+        {"history",
+         [] {
+             return of_file("work/history/p.json", [](const std::string&) {
+                 History(folder() + "/work", "p.yaml").of("sim");
+             });
+         }},
         {"run", [] { return of_file("work/runs/p.json", read_records); }},
         {"job", [] { return of_file("work/jobs/p/job.json", read_records); }},
-        {"pack", [] { return of_file("work/cache/0123456789abcdef0123456789abcdef.pack", read_pack); }},
+        {"pack",
+         [] { return of_file("work/cache/0123456789abcdef0123456789abcdef.pack", read_pack); }},
     };
     return all;
 }
@@ -125,7 +144,9 @@ extern "C" int LLVMFuzzerInitialize(int* count, char*** words) {
         for (const auto& [name, parser] : parsers()) std::puts(name.c_str());
         std::exit(0);
     }
-    const auto found = word.starts_with(option) ? parsers().find(std::string(word.substr(option.size()))) : parsers().end();
+    const auto found = word.starts_with(option)
+                           ? parsers().find(std::string(word.substr(option.size())))
+                           : parsers().end();
     if (found == parsers().end()) {
         std::fputs("guided --list, or guided --parser=NAME\n", stderr);
         std::exit(2);

@@ -4,5 +4,6 @@
 const fluidcarve::PluginHeader fluidcarve_plugin{.family = "acme"};
 
 void fluidcarve_register(fluidcarve::Registry& out) {
-    out.add(fluidcarve::selection<toy::Number, toy::Text>([](const toy::Number&, const std::string&) { return std::make_shared<toy::Text>(); }));
+    out.add(fluidcarve::selection<toy::Number, toy::Text>(
+        [](const toy::Number&, const std::string&) { return std::make_shared<toy::Text>(); }));
 }

@@ -16,15 +16,19 @@ struct Grow {
     struct Ports {
         fluidcarve::Ref<Hair> hair;
     };
-    static void run(const Params&, Ports& io, fluidcarve::Context&) { io.hair = std::make_shared<Hair>(); }
+    static void run(const Params&, Ports& io, fluidcarve::Context&) {
+        io.hair = std::make_shared<Hair>();
+    }
 };
 
 inline void add_hair(fluidcarve::Registry& out, const char* name) {
-    out.add(fluidcarve::payload_type<Hair>(name, "Strands.", [](const Hair&) { return sizeof(Hair); }));
+    out.add(
+        fluidcarve::payload_type<Hair>(name, "Strands.", [](const Hair&) { return sizeof(Hair); }));
 }
 
 inline void add_grow(fluidcarve::Registry& out, const char* name) {
-    out.add(fluidcarve::Declare<Grow>(name, "Grows hair.").output("hair", &Grow::Ports::hair, "Hair."));
+    out.add(
+        fluidcarve::Declare<Grow>(name, "Grows hair.").output("hair", &Grow::Ports::hair, "Hair."));
 }
 
 }  // namespace toy

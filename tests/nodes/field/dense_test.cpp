@@ -1,18 +1,21 @@
-#include "nodes/field/dense.h"
+#include "carve/field/dense.h"
+#include "nodes/energy.h"
+#include "nodes/field.h"
+#include "nodes/mask.h"
 
-#include "nodes/energy/gradient.h"
-#include "nodes/energy/image.h"
-#include "nodes/energy/kinetic.h"
-#include "nodes/energy/surface.h"
-#include "nodes/energy/volume.h"
-#include "nodes/energy/vorticity.h"
-#include "nodes/field/curl.h"
-#include "nodes/field/curvature.h"
-#include "nodes/field/filter.h"
-#include "nodes/field/gradient.h"
-#include "nodes/field/laplacian.h"
-#include "nodes/field/stencil.h"
-#include "nodes/mask/dilate.h"
+#include "carve/energy/gradient.h"
+#include "carve/energy/kinetic.h"
+#include "carve/energy/surface.h"
+#include "carve/energy/volume.h"
+#include "carve/energy/vorticity.h"
+#include "carve/field/curl.h"
+#include "carve/field/curvature.h"
+#include "carve/field/filter.h"
+#include "carve/field/gradient.h"
+#include "carve/field/laplacian.h"
+#include "carve/field/stencil.h"
+#include "carve/mask/dilate.h"
+#include "nodes/energy_image.h"
 #include "tests/support/node_bench.h"
 
 #include <catch2/catch.hpp>
@@ -43,10 +46,10 @@ Context scarce() { return Context().limits(gigabyte, "."); }
 
 TEST_CASE("what tiles take as voxels is counted before it is made") {
     const auto grid = tile<FloatGrid>("density", 1);
-    CHECK(
-        failure_of([&] { require_dense_fits(*grid, sizeof(float), 8 * gigabyte); }) ==
-        "grid 'density' has 68719476736 active voxels, 68719476736 of them in tiles; as voxels these would take 275 GB, but --memory allows 8.00 GB: crop the "
-        "grid, or raise --memory");
+    CHECK(failure_of([&] { require_dense_fits(*grid, sizeof(float), 8 * gigabyte); }) ==
+          "grid 'density' has 68719476736 active voxels, 68719476736 of them in tiles; as voxels "
+          "these would take 275 GB, but --memory allows 8.00 GB: crop the "
+          "grid, or raise --memory");
     CHECK(failure_of([&] { require_dense_fits(*grid, sizeof(float), 300 * gigabyte); }) == "");
     CHECK(grid_fits(6e7, 0));
 }
@@ -58,13 +61,21 @@ TEST_CASE("nodes refuse tiles that would not fit as voxels") {
     velocity->setGridClass(openvdb::GRID_STAGGERED);
     const auto flow = payload(velocity);
     const auto mask = payload(tile<MaskGrid>("mask", true));
-    const auto image = std::vector{Payload(std::make_shared<const Volume>(Volume{{tile<FloatGrid>("Y", 1)}, {}, {}}))};
-    const auto refused = [](const NodeType& type, const std::string& input, const std::vector<Payload>& payloads, const std::string& yaml = "{}") {
+    const auto image = std::vector{
+        Payload(std::make_shared<const Volume>(Volume{{tile<FloatGrid>("Y", 1)}, {}, {}}))};
+    const auto refused = [](const NodeType& type, const std::string& input,
+                            const std::vector<Payload>& payloads, const std::string& yaml = "{}") {
         INFO(type.name);
-        CHECK_THAT(failure_of([&] { NodeBench(type, yaml, {{input, 1}}).run({{input, payloads}}, scarce()); }), Catch::Contains("68719476736 active voxels"));
+        CHECK_THAT(failure_of([&] {
+                       NodeBench(type, yaml, {{input, 1}}).run({{input, payloads}}, scarce());
+                   }),
+                   Catch::Contains("68719476736 active voxels"));
     };
-    for (const auto& type : {energy_gradient(), field_gradient(), field_laplacian(), field_curvature(), field_filter()}) refused(type, "field", density);
-    for (const auto& type : {energy_vorticity(), energy_kinetic(), field_curl()}) refused(type, "velocity", flow);
+    for (const auto& type : {energy_gradient(), field_gradient(), field_laplacian(),
+                             field_curvature(), field_filter()})
+        refused(type, "field", density);
+    for (const auto& type : {energy_vorticity(), energy_kinetic(), field_curl()})
+        refused(type, "velocity", flow);
     refused(energy_volume(), "fields", density, "range: [0, 1]");
     refused(energy_surface(), "surface", density, "range: [0, 1]");
     refused(energy_image(), "source", image);

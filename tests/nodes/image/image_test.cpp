@@ -1,9 +1,9 @@
-#include "graph/types/module.h"
-#include "nodes/image/image_volume.h"
-#include "nodes/image/read.h"
-#include "nodes/image/write.h"
-#include "nodes/io/vdb_file.h"
-#include "nodes/payloads.h"
+#include "nodes/image.h"
+#include "carve/volume/volume.h"
+#include "formats/file/module.h"
+#include "formats/image/image_volume.h"
+#include "formats/vdb/vdb_file.h"
+#include "tests/nodes/image/image_cases.h"
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
@@ -23,13 +23,9 @@ using test::NodeBench;
 
 namespace {
 
-const ImageModule& images() { return load_module<ImageModule>("images"); }
-
-template <class T>
-Image::Attribute attribute(const std::string& name, const std::string& type, const std::vector<T>& values) {
-    return {name, type, std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T))};
+Image::Attribute text(const std::string& name, const std::string& value) {
+    return {name, "string", value};
 }
-Image::Attribute text(const std::string& name, const std::string& value) { return {name, "string", value}; }
 
 /// What a file says under a name; empty if nothing.
 std::string said(const Image& image, const std::string& name) {
@@ -38,64 +34,10 @@ std::string said(const Image& image, const std::string& name) {
     return {};
 }
 
-std::vector<Image::Channel> channels(const std::vector<std::string>& names, const std::string& depth) {
-    std::vector<Image::Channel> out;
-    for (const auto& name : names) out.push_back({name, depth});
-    return out;
-}
-
-float random_value(std::mt19937& random, const std::string& depth) {
-    if (depth == "uint8") return static_cast<float>(random() % 256) / 255;
-    if (depth == "uint16") return static_cast<float>(random() % 65536) / 65535;
-    if (depth == "half") return std::ldexp(static_cast<float>(static_cast<int>(random() % 2048) - 1024), static_cast<int>(random() % 20) - 15);
-    return std::ldexp(static_cast<float>(random()), static_cast<int>(random() % 60) - 50);
-}
-
-Image random_image(const std::string& format, const std::vector<Image::Channel>& channels, int width, int height, unsigned seed = 1) {
-    Image out;
-    out.format = format;
-    out.data = out.display = {0, 0, width, height};
-    out.channels = channels;
-    std::mt19937 random(seed);
-    for (int n = 0; n < width * height; ++n)
-        for (std::size_t c = 0; c < channels.size(); ++c) {
-            if (channels[c].name == "A") out.alpha = static_cast<int>(c);
-            out.pixels.push_back(n % 7 == 0 ? 0.0f : random_value(random, channels[c].depth));
-        }
-    // PNG and TIFF say so where opacity is not multiplied in.
-    if (out.alpha >= 0 && format != "openexr") out.attributes.push_back(attribute<int>("oiio:UnassociatedAlpha", "int", {1}));
-    return out;
-}
-
-std::vector<std::string> names(const Image& image) {
-    std::vector<std::string> out;
-    for (const auto& channel : image.channels) out.push_back(channel.name + " " + channel.depth);
-    return out;
-}
-
-Ref<Volume> read(const std::string& path) { return NodeBench(image_read(), "{path: \"" + path + "\"}").run({}).at("volume").as<Volume>(); }
-
-void write(const Ref<Volume>& volume, const std::string& path, const std::string& rest = "", std::vector<std::string>* warnings = nullptr) {
-    struct Host : Context::Host {
-        std::vector<std::string>* into = nullptr;
-        void warn(const std::string& message) override {
-            if (into) into->push_back(message);
-        }
-    } host;
-    host.into = warnings;
-    const std::vector<int> frames{1};
-    NodeBench node(image_write(), "{path: \"" + path + "\"" + rest + "}");
-    REQUIRE(node.faults() == "");
-    node.run({{"source", {Payload(volume)}}}, Context(host, frames));
-}
-
-float at(const Volume& volume, const std::string& channel, int x, int y) {
-    return openvdb::gridConstPtrCast<FloatGrid>(volume.find(channel))->tree().getValue({x, y, 0});
-}
-
 }  // namespace
 
-TEST_CASE("a pixel is a voxel: y up, 0 at the bottom, whole numbers from 0 to 1, all active", "[images]") {
+TEST_CASE("a pixel is a voxel: y up, 0 at the bottom, whole numbers from 0 to 1, all active",
+          "[images]") {
     const Scratch scratch;
     const auto image = random_image("png", channels({"R", "G", "B"}, "uint8"), 19, 11);
     images().write(scratch / "a.png", image, 95);
@@ -107,25 +49,33 @@ TEST_CASE("a pixel is a voxel: y up, 0 at the bottom, whole numbers from 0 to 1,
         CHECK(grid->transform() == openvdb::math::Transform());
     }
     for (int y = 0; y < 11; ++y)
-        for (int x = 0; x < 19; ++x) REQUIRE(at(*volume, "G", x, y) == image.pixels[static_cast<std::size_t>(((10 - y) * 19 + x) * 3 + 1)]);
+        for (int x = 0; x < 19; ++x)
+            REQUIRE(at(*volume, "G", x, y) ==
+                    image.pixels[static_cast<std::size_t>(((10 - y) * 19 + x) * 3 + 1)]);
 }
 
-TEST_CASE("images come back as they were, to the last bit, in each depth and with each set of channels", "[images]") {
+TEST_CASE(
+    "images come back as they were, to the last bit, in each depth and with each set of channels",
+    "[images]") {
     const Scratch scratch;
-    const std::vector<std::string> grey{"Y"}, grey_alpha{"Y", "A"}, colour{"R", "G", "B"}, colour_alpha{"R", "G", "B", "A"},
-        layers{"R", "G", "B", "A", "Z", "diffuse.R", "diffuse.G"};
+    const std::vector<std::string> grey{"Y"}, grey_alpha{"Y", "A"}, colour{"R", "G", "B"},
+        colour_alpha{"R", "G", "B", "A"}, layers{"R", "G", "B", "A", "Z", "diffuse.R", "diffuse.G"};
     struct Case {
         const char *format, *ending, *depth;
         std::vector<std::vector<std::string>> sets;
     };
     for (const auto& [format, ending, depth, sets] :
-         {Case{"png", "png", "uint8", {grey, grey_alpha, colour, colour_alpha}}, Case{"png", "png", "uint16", {grey, grey_alpha, colour, colour_alpha}},
-          Case{"tiff", "tif", "uint8", {grey, colour, colour_alpha}}, Case{"tiff", "tif", "uint16", {grey, colour, colour_alpha}},
-          Case{"tiff", "tiff", "float", {grey, colour, colour_alpha}}, Case{"openexr", "exr", "half", {grey, colour, colour_alpha, layers}},
+         {Case{"png", "png", "uint8", {grey, grey_alpha, colour, colour_alpha}},
+          Case{"png", "png", "uint16", {grey, grey_alpha, colour, colour_alpha}},
+          Case{"tiff", "tif", "uint8", {grey, colour, colour_alpha}},
+          Case{"tiff", "tif", "uint16", {grey, colour, colour_alpha}},
+          Case{"tiff", "tiff", "float", {grey, colour, colour_alpha}},
+          Case{"openexr", "exr", "half", {grey, colour, colour_alpha, layers}},
           Case{"openexr", "exr", "float", {colour_alpha, layers}}})
         for (const auto& set : sets) {
             INFO(ending << " " << depth << " " << set.size());
-            const auto from = scratch / ("a." + std::string(ending)), to = scratch / ("b." + std::string(ending));
+            const auto from = scratch / ("a." + std::string(ending)),
+                       to = scratch / ("b." + std::string(ending));
             images().write(from, random_image(format, channels(set, depth), 37, 21), 95);
             const auto before = images().read(from, format);
             std::vector<std::string> warnings;
@@ -138,14 +88,18 @@ TEST_CASE("images come back as they were, to the last bit, in each depth and wit
             CHECK(after.alpha == before.alpha);
             CHECK(said(after, "DateTime").empty());
             REQUIRE(after.pixels.size() == before.pixels.size());
-            CHECK(std::memcmp(after.pixels.data(), before.pixels.data(), before.pixels.size() * sizeof(float)) == 0);
+            CHECK(std::memcmp(after.pixels.data(), before.pixels.data(),
+                              before.pixels.size() * sizeof(float)) == 0);
             CHECK(before.pixels == random_image(format, before.channels, 37, 21).pixels);
         }
 }
 
-TEST_CASE("an EXR keeps a depth for each channel, and half floats stay half on the way through a VDB", "[images]") {
+TEST_CASE(
+    "an EXR keeps a depth for each channel, and half floats stay half on the way through a VDB",
+    "[images]") {
     const Scratch scratch;
-    auto image = random_image("openexr", {{"R", "half"}, {"G", "half"}, {"B", "half"}, {"Z", "float"}}, 20, 9);
+    auto image = random_image("openexr",
+                              {{"R", "half"}, {"G", "half"}, {"B", "half"}, {"Z", "float"}}, 20, 9);
     images().write(scratch / "a.exr", image, 95);
     write_vdb(scratch / "a.vdb", *read(scratch / "a.exr"));
     const auto kept = std::make_shared<Volume>(read_vdb(scratch / "a.vdb"));
@@ -167,7 +121,8 @@ TEST_CASE("what an image says beside its pixels is given back", "[images]") {
                         attribute<float>("worldToCamera", "matrix", camera),
                         attribute<int>("shot", "int", {-7}),
                         attribute<float>("focus", "float", {1.25f}),
-                        attribute<float>("chromaticities", "float[8]", {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f}),
+                        attribute<float>("chromaticities", "float[8]",
+                                         {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f}),
                         attribute<int>("framesPerSecond", "rational2i", {24, 1}),
                         {"multiView", "string[2]", std::string("left\0right\0", 11)}};
     images().write(scratch / "a.exr", image, 95);
@@ -185,7 +140,8 @@ TEST_CASE("what an image says beside its pixels is given back", "[images]") {
     // A colour profile, texts and pixels that are not square.
     auto photo = random_image("png", channels({"R", "G", "B"}, "uint8"), 8, 8);
     const auto chelsea = images().read(TEST_DATA "/images/chelsea.png", "png");
-    photo.attributes = {text("Copyright", "nobody's"), text("oiio:ColorSpace", "sRGB"), attribute<float>("PixelAspectRatio", "float", {2})};
+    photo.attributes = {text("Copyright", "nobody's"), text("oiio:ColorSpace", "sRGB"),
+                        attribute<float>("PixelAspectRatio", "float", {2})};
     for (const auto& each : chelsea.attributes)
         if (each.name == "ICCProfile") photo.attributes.push_back(each);
     REQUIRE(photo.attributes.size() == 4);
@@ -193,7 +149,8 @@ TEST_CASE("what an image says beside its pixels is given back", "[images]") {
         photo.format = name;
         images().write(scratch / ("a." + name), photo, 95);
         write(read(scratch / ("a." + name)), scratch / ("b." + name));
-        const auto then = images().read(scratch / ("a." + name), name), now = images().read(scratch / ("b." + name), name);
+        const auto then = images().read(scratch / ("a." + name), name),
+                   now = images().read(scratch / ("b." + name), name);
         for (const auto& each : then.attributes) {
             if (each.name == "tiff:RowsPerStrip") continue;
             INFO(name << ": " << each.name);
@@ -206,26 +163,32 @@ TEST_CASE("what an image says beside its pixels is given back", "[images]") {
     // Where a format has no place for it, it is told.
     std::vector<std::string> warnings;
     write(read(scratch / "a.png"), scratch / "b.exr", "", &warnings);
-    CHECK(warnings == std::vector<std::string>{"EXR can't hold some attributes of the image, which are left out: ICCProfile"});
+    CHECK(warnings ==
+          std::vector<std::string>{
+              "EXR can't hold some attributes of the image, which are left out: ICCProfile"});
 }
 
 TEST_CASE("a file that says how it was held is read upright and written as it was", "[images]") {
     const Scratch scratch;
-    // Where the stored pixel (0, 0) and the one right of it stand in an upright picture, y up; the file has 5 x 3 pixels.
-    const std::vector<std::pair<openvdb::Coord, openvdb::Coord>> places{{{0, 2, 0}, {1, 2, 0}}, {{4, 2, 0}, {3, 2, 0}}, {{4, 0, 0}, {3, 0, 0}},
-                                                                        {{0, 0, 0}, {1, 0, 0}}, {{0, 4, 0}, {0, 3, 0}}, {{2, 4, 0}, {2, 3, 0}},
-                                                                        {{2, 0, 0}, {2, 1, 0}}, {{0, 0, 0}, {0, 1, 0}}};
+    // Where the stored pixel (0, 0) and the one right of it stand in an upright picture, y up; the
+    // file has 5 x 3 pixels.
+    const std::vector<std::pair<openvdb::Coord, openvdb::Coord>> places{
+        {{0, 2, 0}, {1, 2, 0}}, {{4, 2, 0}, {3, 2, 0}}, {{4, 0, 0}, {3, 0, 0}},
+        {{0, 0, 0}, {1, 0, 0}}, {{0, 4, 0}, {0, 3, 0}}, {{2, 4, 0}, {2, 3, 0}},
+        {{2, 0, 0}, {2, 1, 0}}, {{0, 0, 0}, {0, 1, 0}}};
     for (int orientation = 1; orientation <= 8; ++orientation) {
         INFO(orientation);
         auto image = random_image("tiff", channels({"Y"}, "uint8"), 5, 3);
         image.attributes = {attribute<int>("Orientation", "int", {orientation})};
-        for (std::size_t n = 0; n < image.pixels.size(); ++n) image.pixels[n] = static_cast<float>(n + 1) / 255;
+        for (std::size_t n = 0; n < image.pixels.size(); ++n)
+            image.pixels[n] = static_cast<float>(n + 1) / 255;
         images().write(scratch / "a.tif", image, 95);
         const auto volume = read(scratch / "a.tif");
         const auto& [first, second] = places[static_cast<std::size_t>(orientation - 1)];
         CHECK(at(*volume, "Y", first.x(), first.y()) == image.pixels[0]);
         CHECK(at(*volume, "Y", second.x(), second.y()) == image.pixels[1]);
-        CHECK(volume->find("Y")->evalActiveVoxelBoundingBox().max() == (orientation < 5 ? openvdb::Coord(4, 2, 0) : openvdb::Coord(2, 4, 0)));
+        CHECK(volume->find("Y")->evalActiveVoxelBoundingBox().max() ==
+              (orientation < 5 ? openvdb::Coord(4, 2, 0) : openvdb::Coord(2, 4, 0)));
         write(volume, scratch / "b.tif");
         const auto after = images().read(scratch / "b.tif", "tiff");
         CHECK(after.pixels == image.pixels);
@@ -234,13 +197,21 @@ TEST_CASE("a file that says how it was held is read upright and written as it wa
         // A PNG does not say how it was held.
         write(volume, scratch / "b.png");
         const auto upright = images().read(scratch / "b.png", "png");
-        CHECK(upright.data == (orientation < 5 ? Image::Window{0, 0, 5, 3} : Image::Window{0, 0, 3, 5}));
-        CHECK(upright.pixels[static_cast<std::size_t>((upright.data.height - 1 - first.y()) * upright.data.width + first.x())] == image.pixels[0]);
-        CHECK(upright.pixels[static_cast<std::size_t>((upright.data.height - 1 - second.y()) * upright.data.width + second.x())] == image.pixels[1]);
+        CHECK(upright.data ==
+              (orientation < 5 ? Image::Window{0, 0, 5, 3} : Image::Window{0, 0, 3, 5}));
+        CHECK(upright.pixels[static_cast<std::size_t>(
+                  (upright.data.height - 1 - first.y()) * upright.data.width + first.x())] ==
+              image.pixels[0]);
+        CHECK(upright.pixels[static_cast<std::size_t>(
+                  (upright.data.height - 1 - second.y()) * upright.data.width + second.x())] ==
+              image.pixels[1]);
     }
 }
 
-TEST_CASE("windows: the picture's corner is the first voxel, and the data window is kept and grows where pixels moved", "[images]") {
+TEST_CASE(
+    "windows: the picture's corner is the first voxel, and the data window is kept and grows where "
+    "pixels moved",
+    "[images]") {
     const Scratch scratch;
     auto image = random_image("openexr", channels({"R", "G", "B"}, "half"), 6, 4);
     image.data = {103, 202, 6, 4};
@@ -248,7 +219,8 @@ TEST_CASE("windows: the picture's corner is the first voxel, and the data window
     for (auto& value : image.pixels) value = 0.5f;
     images().write(scratch / "a.exr", image, 95);
     const auto volume = read(scratch / "a.exr");
-    CHECK(volume->find("R")->evalActiveVoxelBoundingBox() == openvdb::CoordBBox({0, 0, 0}, {19, 9, 0}));
+    CHECK(volume->find("R")->evalActiveVoxelBoundingBox() ==
+          openvdb::CoordBBox({0, 0, 0}, {19, 9, 0}));
     CHECK(at(*volume, "R", 3, 7) == 0.5f);
     CHECK(at(*volume, "R", 2, 7) == 0);
     CHECK(at(*volume, "R", 8, 4) == 0.5f);
@@ -273,12 +245,15 @@ TEST_CASE("windows: the picture's corner is the first voxel, and the data window
     image.data = {95, 200, 30, 10};
     image.pixels.assign(900, 0.25f);
     images().write(scratch / "a.exr", image, 95);
-    CHECK(read(scratch / "a.exr")->find("R")->evalActiveVoxelBoundingBox() == openvdb::CoordBBox({-5, 0, 0}, {24, 9, 0}));
+    CHECK(read(scratch / "a.exr")->find("R")->evalActiveVoxelBoundingBox() ==
+          openvdb::CoordBBox({-5, 0, 0}, {24, 9, 0}));
     write(read(scratch / "a.exr"), scratch / "b.exr");
     CHECK(images().read(scratch / "b.exr", "openexr").data == image.data);
     std::vector<std::string> warnings;
     write(read(scratch / "a.exr"), scratch / "b.png", ", depth: uint8", &warnings);
-    CHECK(warnings == std::vector<std::string>{"PNG can't hold pixels outside of the display window; they are left out"});
+    CHECK(warnings ==
+          std::vector<std::string>{
+              "PNG can't hold pixels outside of the display window; they are left out"});
     CHECK(images().read(scratch / "b.png", "png").data == Image::Window{0, 0, 20, 10});
 }
 
@@ -297,7 +272,8 @@ TEST_CASE("a carved image is as narrow as its active voxels, and the picture wit
     CHECK(after.data == Image::Window{-5, 0, 26, 10});
     CHECK(after.display == Image::Window{0, 0, 16, 10});
     for (std::size_t y = 0; y < 10; ++y)
-        for (std::size_t x = 0; x < 26; ++x) REQUIRE(after.pixels[y * 26 + x] == image.pixels[y * 30 + x]);
+        for (std::size_t x = 0; x < 26; ++x)
+            REQUIRE(after.pixels[y * 26 + x] == image.pixels[y * 30 + x]);
 
     // Held on its side, it is the stored height that shrinks.
     auto photo = random_image("tiff", channels({"Y"}, "uint8"), 6, 9);
@@ -317,171 +293,69 @@ TEST_CASE("a carved image is as narrow as its active voxels, and the picture wit
 TEST_CASE("what a format does not hold is said, with the remedy", "[images]") {
     const Scratch scratch;
     const auto volume = [&](const std::vector<std::string>& names, const std::string& depth) {
-        images().write(scratch / "a.exr", random_image("openexr", channels(names, depth), 8, 8), 95);
+        images().write(scratch / "a.exr", random_image("openexr", channels(names, depth), 8, 8),
+                       95);
         return read(scratch / "a.exr");
     };
-    const auto failure = [&](const Ref<Volume>& from, const std::string& to, const std::string& rest = "") {
+    const auto failure = [&](const Ref<Volume>& from, const std::string& to,
+                             const std::string& rest = "") {
         return failure_of([&] { write(from, scratch / to, rest); });
     };
-    const auto half = volume({"R", "G", "B"}, "half"), opaque = volume({"R", "G", "B", "A"}, "half"), deep = volume({"R", "G", "B", "Z"}, "float");
+    const auto half = volume({"R", "G", "B"}, "half"),
+               opaque = volume({"R", "G", "B", "A"}, "half"),
+               deep = volume({"R", "G", "B", "Z"}, "float");
     CHECK(failure(half, "b.png") ==
           "cannot write " + scratch / "b.png" +
-              ": PNG holds uint8 or uint16, but the channels are half, half, half; state `depth: uint16` to round them, or write EXR or TIFF");
+              ": PNG holds uint8 or uint16, but the channels are half, half, half; state `depth: "
+              "uint16` to round them, or write EXR or TIFF");
     CHECK(failure(opaque, "b.jpg", ", depth: uint8") ==
-          "cannot write " + scratch / "b.jpg" + ": JPEG holds no opacity: leave it out (`channels: [R, G, B]`), or write PNG, TIFF or EXR");
+          "cannot write " + scratch / "b.jpg" +
+              ": JPEG holds no opacity: leave it out (`channels: [R, G, B]`), or write PNG, TIFF "
+              "or EXR");
     CHECK(failure(deep, "b.png", ", depth: uint8") ==
           "cannot write " + scratch / "b.png" +
-              ": PNG holds grey or three colours, each with opacity or without, not R, G, B, Z; name the channels to write (`channels: [R, G, B]`), or write "
+              ": PNG holds grey or three colours, each with opacity or without, not R, G, B, Z; "
+              "name the channels to write (`channels: [R, G, B]`), or write "
               "EXR or TIFF");
-    CHECK(failure(half, "b.exr", ", channels: [R, Q]") == "cannot write " + scratch / "b.exr" + ": there is no channel 'Q'; there are R, G, B");
-    for (const auto* name : {"b.png", "b.jpg", "b.exr"}) CHECK_FALSE(std::filesystem::exists(scratch / name));
+    CHECK(failure(half, "b.exr", ", channels: [R, Q]") ==
+          "cannot write " + scratch / "b.exr" + ": there is no channel 'Q'; there are R, G, B");
+    for (const auto* name : {"b.png", "b.jpg", "b.exr"})
+        CHECK_FALSE(std::filesystem::exists(scratch / name));
 
     std::vector<std::string> warnings;
     write(opaque, scratch / "b.jpg", ", depth: uint8, channels: [R, G, B]", &warnings);
     CHECK(warnings.size() == 4);
-    CHECK(warnings.back() == "JPEG keeps 8 bits and changes values a little each time it is written; PNG, TIFF and EXR keep them");
-    CHECK_THAT(warnings.front(), Catch::Contains("values of channel 'R' lie outside of 0 to 1, the range of uint8, and were clamped"));
+    CHECK(warnings.back() ==
+          "JPEG keeps 8 bits and changes values a little each time it is written; PNG, TIFF and "
+          "EXR keep them");
+    CHECK_THAT(
+        warnings.front(),
+        Catch::Contains(
+            "values of channel 'R' lie outside of 0 to 1, the range of uint8, and were clamped"));
 
-    // Half floats hold infinities, as depth has them where there is nothing; only what is finite can be too large.
+    // Half floats hold infinities, as depth has them where there is nothing; only what is finite
+    // can be too large.
     auto far = random_image("openexr", channels({"Z"}, "float"), 4, 2);
     far.pixels = {INFINITY, -INFINITY, 1, 65504, 65510, -1e6f, 0, NAN};
     images().write(scratch / "far.exr", far, 95);
     warnings.clear();
     write(read(scratch / "far.exr"), scratch / "half.exr", ", depth: half", &warnings);
-    CHECK(warnings == std::vector<std::string>{"2 values of channel 'Z' lie outside of -65504 to 65504, the range of half, and were clamped"});
+    CHECK(warnings == std::vector<std::string>{"2 values of channel 'Z' lie outside of -65504 to "
+                                               "65504, the range of half, and were clamped"});
     const auto cut = images().read(scratch / "half.exr", "openexr").pixels;
     REQUIRE(std::isnan(cut.back()));
-    CHECK(std::vector<float>(cut.begin(), cut.end() - 1) == std::vector<float>{INFINITY, -INFINITY, 1, 65504, 65504, -65504, 0});
+    CHECK(std::vector<float>(cut.begin(), cut.end() - 1) ==
+          std::vector<float>{INFINITY, -INFINITY, 1, 65504, 65504, -65504, 0});
 
-    const auto faults = [](const std::string& yaml) { return NodeBench(image_write(), yaml).faults(); };
-    CHECK(faults("{path: a.gif}") == "path: 'path' must end in one of .png, .exr, .jpg, .jpeg, .tif, .tiff\n");
+    const auto faults = [](const std::string& yaml) {
+        return NodeBench(image_write(), yaml).faults();
+    };
+    CHECK(faults("{path: a.gif}") ==
+          "path: 'path' must end in one of .png, .exr, .jpg, .jpeg, .tif, .tiff\n");
     CHECK(faults("{path: a.JPG, depth: uint16}") == "depth: JPEG holds uint8, not uint16\n");
-    CHECK(faults("{path: a.####.exr, depth: uint8}") == "depth: EXR holds half or float, not uint8\n");
-    CHECK(faults("{path: a.png, quality: 90}") == "quality: 'quality' is for JPEG; PNG is lossless\n");
+    CHECK(faults("{path: a.####.exr, depth: uint8}") ==
+          "depth: EXR holds half or float, not uint8\n");
+    CHECK(faults("{path: a.png, quality: 90}") ==
+          "quality: 'quality' is for JPEG; PNG is lossless\n");
     CHECK(faults("{path: a.jpeg, quality: 90}") == "");
-}
-
-TEST_CASE("from one format to another nothing is lost that need not be, and opacity follows each one's convention", "[images]") {
-    const Scratch scratch;
-    const auto image = random_image("png", channels({"R", "G", "B"}, "uint16"), 12, 5);
-    images().write(scratch / "a.png", image, 95);
-    write(read(scratch / "a.png"), scratch / "b.exr");
-    CHECK(names(images().read(scratch / "b.exr", "openexr")) == std::vector<std::string>{"R float", "G float", "B float"});
-    write(read(scratch / "b.exr"), scratch / "c.png", ", depth: uint16");
-    CHECK(images().read(scratch / "c.png", "png").pixels == image.pixels);
-
-    auto clear = random_image("png", channels({"R", "G", "B", "A"}, "uint8"), 1, 1);
-    clear.pixels = {1, 128 / 255.0f, 0, 51 / 255.0f};
-    images().write(scratch / "a.png", clear, 95);
-    write(read(scratch / "a.png"), scratch / "b.exr", ", depth: float");
-    const auto multiplied = images().read(scratch / "b.exr", "openexr").pixels;
-    CHECK(multiplied[0] == Approx(0.2));
-    CHECK(multiplied[1] == Approx(0.2 * 128 / 255));
-    CHECK(multiplied[3] == Approx(0.2));
-    write(read(scratch / "b.exr"), scratch / "c.png", ", depth: uint8");
-    CHECK(images().read(scratch / "c.png", "png").pixels == clear.pixels);
-}
-
-TEST_CASE("grids that nodes made are written as deep as the format holds, colours in their order", "[images]") {
-    const Scratch scratch;
-    Volume volume;
-    for (const auto* name : {"A", "B", "G", "R"}) {
-        const auto grid = FloatGrid::create();
-        grid->setName(name);
-        grid->tree().setValue({0, 0, 3}, static_cast<float>(name[0] - 'A') / 20);
-        volume.grids.push_back(grid);
-    }
-    write(std::make_shared<Volume>(volume), scratch / "a.tif");
-    auto after = images().read(scratch / "a.tif", "tiff");
-    CHECK(names(after) == std::vector<std::string>{"R float", "G float", "B float", "A float"});
-    CHECK(after.pixels == std::vector<float>{17.0f / 20, 6.0f / 20, 1.0f / 20, 0});
-    write(std::make_shared<Volume>(volume), scratch / "a.png", ", channels: [R]");
-    CHECK(names(images().read(scratch / "a.png", "png")) == std::vector<std::string>{"Y uint16"});
-
-    const auto grid = FloatGrid::create();
-    grid->setName("solid");
-    volume.grids = {grid};
-    const auto failure = [&] { return failure_of([&] { write(std::make_shared<Volume>(volume), scratch / "b.png"); }); };
-    CHECK(failure() == "cannot write " + scratch / "b.png" + ": no voxel of solid is active: there is no pixel to write");
-    const auto wide = FloatGrid::create();
-    wide->setName("wide");
-    for (const int x : {std::numeric_limits<int>::min(), std::numeric_limits<int>::max()}) wide->tree().setValue({x, 0, 0}, 1);
-    volume.grids = {wide};
-    CHECK_THAT(failure(), Catch::Contains("4294967296 x 1 x 1 voxels; voxel 1000000000 is the farthest: crop the grid"));
-    volume.grids = {grid};
-    grid->tree().setValue({0, 0, 0}, 1);
-    grid->tree().setValue({0, 0, 4}, 1);
-    CHECK(failure() == "cannot write " + scratch / "b.png" + ": the active voxels of solid go from z = 0 to 4; an image is one plane of voxels");
-    volume.grids = {VectorGrid::create()};
-    CHECK_THAT(failure(), Catch::Contains("is of type Tree_vec3s_5_4_3, but a channel of an image is a float grid"));
-}
-
-TEST_CASE("channels are outputs of their own, and frames that are missing are held", "[images]") {
-    const Scratch scratch;
-    images().write(scratch / "a.03.png", random_image("png", channels({"R", "G", "B", "A"}, "uint8"), 4, 4), 95);
-    NodeBench node(image_read(), "{path: " + scratch / "a.##.png" + ", channels: {matte: A}, missing: hold}");
-    REQUIRE(node.faults() == "");
-    CHECK(node.survey({2, 3, 4}).absent.empty());
-    Context::Host host;
-    const std::vector<int> frames{2, 3, 4};
-    const auto out = node.run({}, Context(host, frames).at(2));
-    CHECK(test::difference(*out.at("matte").as<FloatGrid>(), *out.at("volume").as<Volume>()->find("A")).empty());
-    NodeBench wrong(image_read(), "{path: " + scratch / "a.##.png" + ", channels: {matte: a}}");
-    CHECK(wrong.survey({3}).absent.at(3) == scratch / "a.03.png" + " has no channel 'a'; it has R, G, B, A");
-    CHECK(NodeBench(image_read(), "{path: a.png, channels: {volume: A}}").faults() ==
-          "channels: image.read already has an output 'volume'; give this one another name\n");
-}
-
-TEST_CASE("windows so far off that their pixels can't be counted are refused", "[images]") {
-    const Scratch scratch;
-    auto image = random_image("openexr", channels({"R"}, "half"), 4, 4);
-    image.data.x = 500000000;
-    image.display.x = -500000000;
-    images().write(scratch / "a.exr", image, 95);
-    CHECK_THAT(failure_of([&] { read(scratch / "a.exr"); }), Catch::Contains("its data or display window reaches more than 16777216 pixels from the origin"));
-}
-
-TEST_CASE("an image of more pixels than the memory takes is refused", "[images]") {
-    NodeBench node(image_read(), "{path: " TEST_DATA "/images/chelsea.png}");
-    CHECK(failure_of([&] { node.run({}, Context().limits(1 << 20, ".")); }) == TEST_DATA
-          "/images/chelsea.png has 451 x 300 pixels of 3 channels, which take 0.0 GiB of memory; --memory allows 0.0");
-}
-
-TEST_CASE("an image that is cut off anywhere is told, or the same", "[images]") {
-    const Scratch scratch;
-    const auto image = random_image("png", channels({"R", "G", "B"}, "uint8"), 61, 47);
-    for (const std::string format : {"png", "jpeg", "tiff", "openexr"}) {
-        auto whole = image;
-        whole.format = format;
-        if (format == "openexr") whole.channels = channels({"R", "G", "B"}, "half");
-        const auto path = scratch / ("whole." + format);
-        images().write(path, whole, 95);
-        const auto pixels = images().read(path, format).pixels;
-        const auto bytes = Scratch::read(path);
-        for (std::size_t n = 1; n <= 40; ++n) {
-            const auto cut = scratch.write("cut", bytes.substr(0, bytes.size() * n / 41));
-            INFO(format << " cut at " << bytes.size() * n / 41 << " of " << bytes.size());
-            const auto told = failure_of([&] {
-                if (images().read(cut, format_of_file(cut).name).pixels != pixels) throw std::logic_error("other pixels, and not a word");
-            });
-            if (!told.empty()) CHECK_THAT(told, Catch::Contains(cut) && !Catch::Contains("\n"));
-        }
-    }
-}
-
-TEST_CASE("the check of a PNG finds any damaged byte, and gives what its header says", "[images]") {
-    const Scratch scratch;
-    const auto image = random_image("png", channels({"R", "G", "B"}, "uint8"), 31, 23);
-    images().write(scratch / "whole.png", image, 95);
-    const auto checked = images().checked(scratch / "whole.png", "png");
-    CHECK(checked.data == image.data);
-    CHECK(checked.channels.size() == 3);
-    const auto bytes = Scratch::read(scratch / "whole.png");
-    constexpr std::size_t signature = 8;
-    for (std::size_t n = signature; n < bytes.size(); n += 1 + n / 40) {
-        auto damaged = bytes;
-        damaged[n] = static_cast<char>(damaged[n] ^ 1);
-        INFO("byte " << n << " of " << bytes.size());
-        CHECK_THAT(failure_of([&] { images().checked(scratch.write("damaged.png", damaged), "png"); }), Catch::Contains("damaged.png"));
-    }
 }

@@ -1,10 +1,10 @@
-#include "graph/text/problem.h"
-#include "nodes/io/binary.h"
-#include "nodes/lattice/lattice.h"
-#include "nodes/mesh/mesh_file.h"
-#include "nodes/points/file.h"
-#include "nodes/rig/rig.h"
-#include "nodes/seams/seams.h"
+#include "carve/base/failure.h"
+#include "carve/lattice/lattice.h"
+#include "carve/rig/rig.h"
+#include "carve/seam/seams.h"
+#include "carve/stream/binary.h"
+#include "formats/mesh_file/mesh_file.h"
+#include "formats/points_file/file.h"
 #include "tests/support/filed.h"
 #include "tests/support/point_lists.h"
 #include "tests/support/scratch.h"
@@ -28,7 +28,8 @@ const std::string data = TEST_DATA;
 /// Whether two lists hold the same bits: NaN is itself, -0 is not 0.
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+    return a.size() == b.size() &&
+           (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
 Ref<Lattice> bent_lattice() {
@@ -50,8 +51,11 @@ Ref<Seams> paired_seams(const std::string& folder) {
         window->resize(3);
         for (std::size_t n = 0; n < 3; ++n) {
             std::vector<std::uint16_t> entries(out.columns_per_frame() * out.frames.size());
-            for (std::size_t c = 0; c < entries.size(); ++c) entries[c] = static_cast<std::uint16_t>(31 * c + n + (window == &out.pairs ? 40000 : 0));
-            (*window)[n] = {n == 1 ? SeamEntries::in_file(entries, folder) : SeamEntries(entries), 1.0 / (3 + static_cast<double>(n))};
+            for (std::size_t c = 0; c < entries.size(); ++c)
+                entries[c] =
+                    static_cast<std::uint16_t>(31 * c + n + (window == &out.pairs ? 40000 : 0));
+            (*window)[n] = {n == 1 ? SeamEntries::in_file(entries, folder) : SeamEntries(entries),
+                            1.0 / (3 + static_cast<double>(n))};
         }
     }
     out.seams[1].lower_bound = 0.1;
@@ -60,21 +64,29 @@ Ref<Seams> paired_seams(const std::string& folder) {
 }
 
 Ref<Rig> oval() {
-    auto out = oval_rig({{0.1, 0.2, 0.3}, {1.0 / 3, 0, -0.0}, {0, 2.0 / 3, 0.1}, 0.7}, {0, 0.6, 0.8});
+    auto out =
+        oval_rig({{0.1, 0.2, 0.3}, {1.0 / 3, 0, -0.0}, {0, 2.0 / 3, 0.1}, 0.7}, {0, 0.6, 0.8});
     return std::make_shared<Rig>(out);
 }
 
-Ref<Mesh> mesh(const std::string& path, const Placement& placement) { return std::make_shared<Mesh>(placed(read_mesh(path).mesh, placement)); }
+Ref<Mesh> mesh(const std::string& path, const Placement& placement) {
+    return std::make_shared<Mesh>(placed(read_mesh(path).mesh, placement));
+}
 
 const std::string two_faces_obj =
-    "# made by hand\no bank\nv 0.1 0.2 0.30000000000000004\nv 1 0 1e-05\nv 1.5 1 0\nv 0 1 0\nv 2.5 0.5 -0.123456789012345\nv 7 8 9\n"
-    "vt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0 1\nvt 0.6 0\nvn 0 0 1\nvn 0 0.6 0.8\ng shore\nusemtl sand\ns off\nf 1/1/1 2/2/1 3/3/1 4/4/1\n"
+    "# made by hand\no bank\nv 0.1 0.2 0.30000000000000004\nv 1 0 1e-05\nv 1.5 1 0\nv 0 1 0\nv 2.5 "
+    "0.5 -0.123456789012345\nv 7 8 9\n"
+    "vt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0 1\nvt 0.6 0\nvn 0 0 1\nvn 0 0.6 0.8\ng shore\nusemtl sand\ns "
+    "off\nf 1/1/1 2/2/1 3/3/1 4/4/1\n"
     "usemtl gr\xe4ss\nf 2/5/2 5/3/2 3//2\nl 1 6\n";
 
 const std::string two_faces_ply =
-    "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\nproperty uchar red\n"
-    "property uchar green\nproperty uchar blue\nproperty float heat\nelement face 2\nproperty list uchar int vertex_indices\nproperty short kind\nend_header\n"
-    "0.1 0 0 255 0 1 0.5\n1 0 0 0 7 1 1.5\n1 1 0.3 9 0 1 -2\n0 1 0 0 0 1 0.25\n3 0 1 2 -4\n3 0 2 3 5\n";
+    "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 4\nproperty double x\nproperty "
+    "double y\nproperty double z\nproperty uchar red\n"
+    "property uchar green\nproperty uchar blue\nproperty float heat\nelement face 2\nproperty list "
+    "uchar int vertex_indices\nproperty short kind\nend_header\n"
+    "0.1 0 0 255 0 1 0.5\n1 0 0 0 7 1 1.5\n1 1 0.3 9 0 1 -2\n0 1 0 0 0 1 0.25\n3 0 1 2 -4\n3 0 2 3 "
+    "5\n";
 
 void require_same(const Mesh& a, const Mesh& b) {
     CHECK(same_bits(a.points, b.points));
@@ -123,7 +135,7 @@ TEST_CASE("numbers, texts and lists come back as they were written") {
     CHECK(stream.str() == "\x04\x03\x02\x01");
     const std::vector<std::uint16_t> long_list(3'000'000, 7);
     out.value(true);
-    out.value(PlyType::uint16);
+    out.value(NumberType::uint16);
     out.text(std::string("a\0b", 3));
     out.list(long_list);
     out.list(std::vector<std::string>{"", "one"});
@@ -132,7 +144,7 @@ TEST_CASE("numbers, texts and lists come back as they were written") {
     BinaryReader in(stream);
     CHECK(in.value<std::uint32_t>() == 0x01020304);
     CHECK(in.value<bool>());
-    CHECK(in.value_up_to(PlyType::float64) == PlyType::uint16);
+    CHECK(in.value_up_to(NumberType::float64) == NumberType::uint16);
     CHECK(in.text() == std::string("a\0b", 3));
     CHECK(in.list<std::uint16_t>() == long_list);
     CHECK(in.texts() == std::vector<std::string>{"", "one"});
@@ -163,11 +175,12 @@ TEST_CASE("a size that the stream can't hold is refused before there is room mad
     CHECK_THROWS_AS(in.value<bool>(), Failure);
     std::istringstream beyond(std::string("\x08\0\0\0", 4));
     BinaryReader second(beyond);
-    CHECK_THROWS_AS(second.value_up_to(PlyType::float64), Failure);
+    CHECK_THROWS_AS(second.value_up_to(NumberType::float64), Failure);
 }
 
 TEST_CASE("rigs come back from a file") {
-    for (const auto& rig : {oval(), Ref<Rig>(std::make_shared<Rig>(Rig{{{0.1, -0.0, 1e-300}, {4, 5, 6}}, true, {0, 1, 0}, {}}))}) {
+    for (const auto& rig : {oval(), Ref<Rig>(std::make_shared<Rig>(Rig{
+                                        {{0.1, -0.0, 1e-300}, {4, 5, 6}}, true, {0, 1, 0}, {}}))}) {
         const auto back = there_and_back(rig);
         CHECK(same_bits(back->points, rig->points));
         CHECK(back->closed == rig->closed);
@@ -189,7 +202,8 @@ TEST_CASE("lattices come back from a file to the last bit, with their hash") {
     CHECK(back->description == lattice->description);
     CHECK(back->hash == lattice->hash);
     CHECK(lattice_hash(*back) == lattice->hash);
-    const auto box = there_and_back<Lattice>(std::make_shared<Lattice>(make_box(Vec3d(0), {3, 2, 1}, 0.5, {0, 1, 2})));
+    const auto box = there_and_back<Lattice>(
+        std::make_shared<Lattice>(make_box(Vec3d(0), {3, 2, 1}, 0.5, {0, 1, 2})));
     CHECK_FALSE(box->closed);
     CHECK_FALSE(box->around);
     CHECK_FALSE(box->closed_form);
@@ -224,7 +238,9 @@ TEST_CASE("seams come back from a file: pairs, bounds, frames, entries in memory
 TEST_CASE("meshes come back from a file, and a writer gives the same file from them") {
     const Scratch scratch;
     const Placement moved{{0.1, -2, 3}, 0.3, Vec3d(0)};
-    for (const auto& path : {scratch.write("two.obj", two_faces_obj), scratch.write("two.ply", two_faces_ply), data + "/river/riverbank.obj"})
+    for (const auto& path :
+         {scratch.write("two.obj", two_faces_obj), scratch.write("two.ply", two_faces_ply),
+          data + "/river/riverbank.obj"})
         for (const auto& placement : {Placement{}, moved}) {
             INFO(path);
             const auto before = mesh(path, placement);
@@ -233,7 +249,8 @@ TEST_CASE("meshes come back from a file, and a writer gives the same file from t
             const auto ending = path.substr(path.size() - 4);
             write_mesh(scratch / ("before" + ending), *before);
             write_mesh(scratch / ("after" + ending), *back);
-            CHECK(Scratch::read(scratch / ("before" + ending)) == Scratch::read(scratch / ("after" + ending)));
+            CHECK(Scratch::read(scratch / ("before" + ending)) ==
+                  Scratch::read(scratch / ("after" + ending)));
         }
     auto made = *mesh(scratch / "two.obj", {});
     made.stored = nullptr;
@@ -245,11 +262,13 @@ TEST_CASE("vertices of a PLY file come back from a file") {
     auto points = points_at({{0.1, 0.2, 0.3}, {-4, 5, 1e-300}});
     points.placement = {{1, 2, 3}, 0.3, Vec3d(0)};
     auto ply = *points.ply;
-    ply.encoding = PlyEncoding::big;
+    ply.encoding = NumberForm::big;
     ply.comments = {"comment by hand", "obj_info shot 7"};
     ply.empty_elements = {"element face 0", "property list uchar int vertex_indices"};
-    ply.columns.push_back(column("heat", "float32", PlyType::float32, std::vector<float>{-0.0f, std::numeric_limits<float>::quiet_NaN()}));
-    points.ply = std::make_shared<PlyPoints>(ply);
+    ply.columns.push_back(
+        column("heat", "float32", NumberType::float32,
+               std::vector<float>{-0.0f, std::numeric_limits<float>::quiet_NaN()}));
+    points.ply = std::make_shared<PointTable>(ply);
     const auto before = std::make_shared<const Points>(points);
     const auto back = there_and_back(before);
     CHECK_FALSE(back->grid);
@@ -261,7 +280,9 @@ TEST_CASE("vertices of a PLY file come back from a file") {
     CHECK(Scratch::read(scratch / "before.ply").find("obj_info shot 7") != std::string::npos);
 }
 
-TEST_CASE("what is cut off or damaged is refused or read, never a crash: rigs, lattices, seams, meshes, vertices") {
+TEST_CASE(
+    "what is cut off or damaged is refused or read, never a crash: rigs, lattices, seams, meshes, "
+    "vertices") {
     const Scratch scratch;
     const auto points = std::make_shared<const Points>(points_at({{0.1, 0.2, 0.3}, {-4, 5, 6}}));
     require_cut_refused(oval());
@@ -309,9 +330,9 @@ TEST_CASE("kept data whose sizes contradict each other is refused") {
     auto ply = *points.ply;
     ply.columns.resize(3);
     ply.size = std::size_t{1} << 61;
-    points.ply = std::make_shared<PlyPoints>(ply);
+    points.ply = std::make_shared<PointTable>(ply);
     require_refused(points);
     ply.columns.clear();
-    points.ply = std::make_shared<PlyPoints>(ply);
+    points.ply = std::make_shared<PointTable>(ply);
     require_refused(points);
 }

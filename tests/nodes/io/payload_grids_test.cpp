@@ -1,9 +1,9 @@
-#include "nodes/io/grid_stream.h"
-#include "nodes/io/openvdb_types.h"
-#include "nodes/io/raw_grid.h"
-#include "nodes/io/triplet.h"
-#include "nodes/io/vdb_file.h"
-#include "nodes/points/file.h"
+#include "carve/stream/grid_stream.h"
+#include "carve/stream/openvdb_types.h"
+#include "carve/stream/raw_grid.h"
+#include "carve/volume/triplet.h"
+#include "formats/points_file/file.h"
+#include "formats/vdb/vdb_file.h"
 #include "tests/support/filed.h"
 #include "tests/support/grid_bytes.h"
 #include "tests/support/point_lists.h"
@@ -31,7 +31,8 @@ namespace {
 const std::string test_data = TEST_DATA;
 const Placement moved{{0.1, -2, 3.3}, 0.3, Vec3d(0)};
 
-/// Values that a file of half floats would round and one that saves inactive values by what compares equal would change.
+/// Values that a file of half floats would round and one that saves inactive values by what
+/// compares equal would change.
 FloatGrid::Ptr rough_grid() {
     const auto out = FloatGrid::create(0.1f);
     auto& tree = out->tree();
@@ -60,7 +61,8 @@ FloatGrid::Ptr rough_grid() {
 }
 
 template <class Grid>
-typename Grid::Ptr grid_of_two(const typename Grid::ValueType& background, const typename Grid::ValueType& value) {
+typename Grid::Ptr grid_of_two(const typename Grid::ValueType& background,
+                               const typename Grid::ValueType& value) {
     const auto out = Grid::create(background);
     out->tree().setValueOn({1, 2, 3}, value);
     out->tree().addTile(2, {-128, 0, 0}, value, true);
@@ -84,9 +86,11 @@ Ref<Volume> rich_volume() {
         out->grids.push_back(grid);
         return grid;
     };
-    put(rough_grid(), "surface")->setTransform(Transform::createFrustumTransform({{0, 0, 0}, {9, 9, 9}}, 0.5, 3.0, 0.1));
+    put(rough_grid(), "surface")
+        ->setTransform(Transform::createFrustumTransform({{0, 0, 0}, {9, 9, 9}}, 0.5, 3.0, 0.1));
     const auto density = put(rough_grid(), "density");
-    density->setTransform(Transform::createLinearTransform(openvdb::math::Mat4d(0., .1, 0., 0., -.1, 0., 0., 0., 0., 0., .2, 0., 3., 4., 5., 1.)));
+    density->setTransform(Transform::createLinearTransform(
+        openvdb::math::Mat4d(0., .1, 0., 0., -.1, 0., 0., 0., 0., 0., .2, 0., 3., 4., 5., 1.)));
     const auto same_tree = put(density->copyGrid(), "density");
     same_tree->setGridClass(openvdb::GRID_FOG_VOLUME);
     same_tree->setSaveFloatAsHalf(false);
@@ -120,7 +124,8 @@ void require_same_stored(const Volume& a, const Volume& b) {
     REQUIRE(a.names() == b.names());
     for (std::size_t n = 0; n < a.grids.size(); ++n) {
         CHECK(difference(*a.grids[n].grid(), *b.grids[n].grid()) == "");
-        CHECK((stored_form_of(*a.grids[n].grid()) == nullptr) == (stored_form_of(*b.grids[n].grid()) == nullptr));
+        CHECK((stored_form_of(*a.grids[n].grid()) == nullptr) ==
+              (stored_form_of(*b.grids[n].grid()) == nullptr));
     }
     CHECK(kept_metadata(a.metadata) == kept_metadata(b.metadata));
     CHECK(a.codec == b.codec);
@@ -137,14 +142,18 @@ std::string written(const Volume& volume, const Placement* placement = nullptr) 
 
 Volume volume_of(const GridBase::ConstPtr& grid) { return {{grid}, {}, {}}; }
 
-Ref<AnyGrid> any(const GridBase::ConstPtr& grid) { return std::make_shared<AnyGrid>(AnyGrid{grid}); }
+Ref<AnyGrid> any(const GridBase::ConstPtr& grid) {
+    return std::make_shared<AnyGrid>(AnyGrid{grid});
+}
 
-/// As a reader makes it of three grids, each on its faces, of which one says that it holds half floats.
+/// As a reader makes it of three grids, each on its faces, of which one says that it holds half
+/// floats.
 VectorGrid::ConstPtr velocity_of_three() {
     std::array<FloatGrid::ConstPtr, 3> components;
     for (int axis = 0; axis < 3; ++axis) {
         const auto grid = FloatGrid::create(0.1f);
-        for (int x = 0; x < 5 + axis; ++x) grid->tree().setValue({x, 1, 2}, 0.1f * static_cast<float>(x + axis));
+        for (int x = 0; x < 5 + axis; ++x)
+            grid->tree().setValue({x, 1, 2}, 0.1f * static_cast<float>(x + axis));
         const auto transform = Transform::createLinearTransform(0.2);
         Vec3d at(1, 2, 3);
         at[axis] -= 0.1;
@@ -162,7 +171,9 @@ const Transform& in_file_of(const GridBase& grid) { return *stored_form_of(grid)
 
 }  // namespace
 
-TEST_CASE("a volume comes back from a file to the last bit: order, names, transforms, metadata, shared trees, all types") {
+TEST_CASE(
+    "a volume comes back from a file to the last bit: order, names, transforms, metadata, shared "
+    "trees, all types") {
     const auto before = rich_volume();
     const auto back = there_and_back(before);
     require_same_stored(*before, *back);
@@ -201,11 +212,14 @@ TEST_CASE("vectors, masks and any one grid come back from a file") {
     const Ref<MaskGrid> mask = grid_of_two<MaskGrid>(false, true);
     CHECK(difference(*mask, *there_and_back(mask)) == "");
     const auto volume = rich_volume();
-    for (const auto& grid : volume->grids) CHECK(difference(grid.header(), *there_and_back(any(grid))->grid) == "");
+    for (const auto& grid : volume->grids)
+        CHECK(difference(grid.header(), *there_and_back(any(grid))->grid) == "");
 }
 
-TEST_CASE("files of other programs come back from a file, and a writer gives the same file from them") {
-    for (const auto* path : {"/plume/plume.0051.vdb", "/river/river.0043.vdb", "/river/river_half.0012.vdb", "/vdb/cortex_points.vdb"}) {
+TEST_CASE(
+    "files of other programs come back from a file, and a writer gives the same file from them") {
+    for (const auto* path : {"/plume/plume.0051.vdb", "/river/river.0043.vdb",
+                             "/river/river_half.0012.vdb", "/vdb/cortex_points.vdb"}) {
         INFO(path);
         const auto before = std::make_shared<const Volume>(read_vdb(test_data + path));
         const auto back = there_and_back(before);
@@ -214,8 +228,11 @@ TEST_CASE("files of other programs come back from a file, and a writer gives the
     }
 }
 
-TEST_CASE("where a grid came from comes back with it: placement, transform, what a profile made of its class") {
-    const auto placed_grid = placed(rich_volume()->grids[1], {{0.1, -2, 3.3}, 0.3, Vec3d(-0.5, 0.1, 0)});
+TEST_CASE(
+    "where a grid came from comes back with it: placement, transform, what a profile made of its "
+    "class") {
+    const auto placed_grid =
+        placed(rich_volume()->grids[1], {{0.1, -2, 3.3}, 0.3, Vec3d(-0.5, 0.1, 0)});
     const auto back = there_and_back(any(placed_grid))->grid;
     REQUIRE(stored_form_of(*back));
     CHECK(stored_form_of(*back)->placement == stored_form_of(*placed_grid)->placement);
@@ -238,15 +255,20 @@ TEST_CASE("where a grid came from comes back with it: placement, transform, what
     }
 }
 
-TEST_CASE("a vector that was read as three grids is those three again behind a file, untouched or changed") {
+TEST_CASE(
+    "a vector that was read as three grids is those three again behind a file, untouched or "
+    "changed") {
     const auto vel = velocity_of_three();
     const auto placed_vel = openvdb::gridConstPtrCast<VectorGrid>(placed(vel, moved));
     for (const auto& before : {vel, placed_vel}) {
         const auto back = there_and_back(before);
         CHECK(stored_form_of(*back)->merged.lock() == back->constBaseTreePtr());
         REQUIRE(stored_form_of(*back)->components.size() == 3);
-        for (std::size_t n = 0; n < 3; ++n) CHECK(difference(*stored_form_of(*before)->components[n], *stored_form_of(*back)->components[n]) == "");
-        CHECK(split(back)[0]->constBaseTreePtr() == stored_form_of(*back)->components[0]->constBaseTreePtr());
+        for (std::size_t n = 0; n < 3; ++n)
+            CHECK(difference(*stored_form_of(*before)->components[n],
+                             *stored_form_of(*back)->components[n]) == "");
+        CHECK(split(back)[0]->constBaseTreePtr() ==
+              stored_form_of(*back)->components[0]->constBaseTreePtr());
         CHECK(written(volume_of(before)) == written(volume_of(back)));
 
         const auto changed = before->deepCopy();
@@ -263,16 +285,20 @@ TEST_CASE("components that stand in a volume beside their vector share their tre
     const auto volume = std::make_shared<Volume>();
     volume->grids = {vel, stored_form_of(*vel)->components[1], vel->copyGrid()};
     const auto back = there_and_back<Volume>(volume);
-    CHECK(&back->grids[1]->constBaseTree() == &stored_form_of(*back->grids[0].grid())->components[1]->constBaseTree());
+    CHECK(&back->grids[1]->constBaseTree() ==
+          &stored_form_of(*back->grids[0].grid())->components[1]->constBaseTree());
     CHECK(&back->grids[0]->constBaseTree() == &back->grids[2]->constBaseTree());
     CHECK(written(*volume) == written(*back));
 }
 
-TEST_CASE("points of a VDB file come back from a file, and a writer gives the same file from them") {
+TEST_CASE(
+    "points of a VDB file come back from a file, and a writer gives the same file from them") {
     const Scratch scratch;
-    for (const auto* name : {"/river/river.0043.vdb", "/river/river_half.0012.vdb", "/vdb/cortex_points.vdb"}) {
+    for (const auto* name :
+         {"/river/river.0043.vdb", "/river/river_half.0012.vdb", "/vdb/cortex_points.vdb"}) {
         INFO(name);
-        const auto before = std::make_shared<const Points>(read_points(test_data + name, "", PointOffset::detect, moved));
+        const auto before = std::make_shared<const Points>(
+            read_points(test_data + name, "", PointOffset::detect, moved));
         const auto back = there_and_back(before);
         CHECK(difference(*before->grid, *back->grid) == "");
         CHECK(kept_metadata(before->metadata) == kept_metadata(back->metadata));
@@ -282,8 +308,10 @@ TEST_CASE("points of a VDB file come back from a file, and a writer gives the sa
         CHECK_FALSE(back->ply);
         for (const auto* ending : {".ply", ".vdb"}) {
             const auto file = [&](const Points& points) {
-                write_points(scratch / (std::string("out") + ending), points, nullptr, nullptr, nullptr);
-                return Scratch::read(scratch / (std::string("out") + ending)).erase(21, std::string_view(ending) == ".vdb" ? 36 : 0);
+                write_points(scratch / (std::string("out") + ending), points, nullptr, nullptr,
+                             nullptr);
+                return Scratch::read(scratch / (std::string("out") + ending))
+                    .erase(21, std::string_view(ending) == ".vdb" ? 36 : 0);
             };
             CHECK(file(*before) == file(*back));
         }
@@ -294,22 +322,29 @@ TEST_CASE("a stream of grids that is cut off is refused") {
     constexpr std::size_t all = 150;
     const Ref<FloatGrid> grid = rough_grid();
     require_cut_refused(grid, all);
-    require_cut_refused(openvdb::gridConstPtrCast<VectorGrid>(placed(velocity_of_three(), moved)), all);
+    require_cut_refused(openvdb::gridConstPtrCast<VectorGrid>(placed(velocity_of_three(), moved)),
+                        all);
     require_cut_refused<MaskGrid>(grid_of_two<MaskGrid>(false, true), all);
     require_cut_refused(any(rich_volume()->grids.back()));
     require_cut_refused(rich_volume(), all);
-    require_cut_refused(std::make_shared<const Points>(read_points(test_data + "/vdb/cortex_points.vdb", "", PointOffset::detect, moved)), all);
+    require_cut_refused(std::make_shared<const Points>(read_points(
+                            test_data + "/vdb/cortex_points.vdb", "", PointOffset::detect, moved)),
+                        all);
 }
 
 TEST_CASE("a stream of grids that is damaged is refused or read, never a crash") {
     const Ref<FloatGrid> grid = rough_grid();
     require_damage_survived(grid, 997);
-    require_damage_survived(openvdb::gridConstPtrCast<VectorGrid>(placed(velocity_of_three(), moved)), 4999);
+    require_damage_survived(
+        openvdb::gridConstPtrCast<VectorGrid>(placed(velocity_of_three(), moved)), 4999);
     require_damage_survived(any(rich_volume()->grids.back()));
 }
 
-TEST_CASE("a stream of points that is damaged is refused or read, never a crash, and takes no more memory than it is good for") {
-    const auto points = std::make_shared<const Points>(read_points(test_data + "/vdb/cortex_points.vdb", "", PointOffset::detect, moved));
+TEST_CASE(
+    "a stream of points that is damaged is refused or read, never a crash, and takes no more "
+    "memory than it is good for") {
+    const auto points = std::make_shared<const Points>(
+        read_points(test_data + "/vdb/cortex_points.vdb", "", PointOffset::detect, moved));
     require_damage_survived(points, 1 + filed(points).size() / 50);
     const Ref<AnyGrid> grid = any(in_vdb(points_at({{0.1, 0.2, 0.3}, {4, 5, 6}})).grid);
     require_damage_survived(grid, 1 + filed(grid).size() / 300);

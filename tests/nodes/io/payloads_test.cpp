@@ -1,7 +1,6 @@
-#include "nodes/payloads.h"
-#include "nodes/io/payload_types.h"
-
+#include "carve/volume/volume.h"
 #include "graph/types/registry.h"
+#include "nodes/payload/grids.h"
 
 #include <catch2/catch.hpp>
 
@@ -11,13 +10,14 @@ namespace {
 
 Registry payloads() {
     Registry out;
-    add_payloads(out);
+    add_grid_payloads(out);
     return out;
 }
 
 }  // namespace
 
-TEST_CASE("a volume input takes any one grid, a grid input any typed one, and nothing converts back") {
+TEST_CASE(
+    "a volume input takes any one grid, a grid input any typed one, and nothing converts back") {
     const auto registry = payloads();
     CHECK(registry.accepted_names(typeid(Volume)) == "volume, float, vector, mask or grid");
     CHECK(registry.accepted_names(typeid(AnyGrid)) == "grid, float, vector or mask");
@@ -44,7 +44,8 @@ TEST_CASE("a tree that grids of a volume share is counted once") {
     grid->tree().voxelizeActiveTiles();
     Volume volume;
     volume.grids = {grid, grid->copyGrid()};
-    const auto bytes = registry.payload(typeid(Volume)).bytes(Payload(std::make_shared<Volume>(volume)));
+    const auto bytes =
+        registry.payload(typeid(Volume)).bytes(Payload(std::make_shared<Volume>(volume)));
     CHECK(bytes == grid->memUsage());
     CHECK(bytes > 32 * 32 * 32 * sizeof(float));
 }

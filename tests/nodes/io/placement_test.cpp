@@ -1,10 +1,9 @@
-#include "nodes/io/conventions.h"
-#include "nodes/io/raw_grid.h"
-#include "nodes/io/stored_form.h"
-#include "nodes/io/triplet.h"
-#include "nodes/io/vdb_read.h"
-#include "nodes/io/vdb_write.h"
-#include "nodes/remap/grid.h"
+#include "carve/remap/grid.h"
+#include "carve/stream/raw_grid.h"
+#include "carve/volume/stored_form.h"
+#include "carve/volume/triplet.h"
+#include "formats/vdb/conventions.h"
+#include "nodes/vdb.h"
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
@@ -37,7 +36,9 @@ Volume houdini_volume() {
         const auto grid = FloatGrid::create(0);
         for (int x = 0; x < 9 + (axis == 0); ++x)
             for (int y = 0; y < 6 + (axis == 1); ++y)
-                for (int z = 0; z < 4 + (axis == 2); ++z) grid->tree().setValue({x, y, z}, static_cast<float>(100 * x + 10 * y + z + 1000 * axis));
+                for (int z = 0; z < 4 + (axis == 2); ++z)
+                    grid->tree().setValue({x, y, z},
+                                          static_cast<float>(100 * x + 10 * y + z + 1000 * axis));
         const auto transform = openvdb::math::Transform::createLinearTransform(0.2);
         Vec3d at(1, 2, 3);
         at[axis] -= 0.1;
@@ -53,7 +54,8 @@ Volume houdini_volume() {
 
 void require_same(const Volume& a, const Volume& b) {
     REQUIRE(a.names() == b.names());
-    for (std::size_t n = 0; n < a.grids.size(); ++n) CHECK(difference(*a.grids[n].grid(), *b.grids[n].grid()) == "");
+    for (std::size_t n = 0; n < a.grids.size(); ++n)
+        CHECK(difference(*a.grids[n].grid(), *b.grids[n].grid()) == "");
 }
 
 /// OpenVDB's registry without one grid type.
@@ -68,10 +70,14 @@ struct Forgotten {
 
 }  // namespace
 
-TEST_CASE("a reader's placement moves the grids into the shot's world, and the writer takes it back to the last bit") {
+TEST_CASE(
+    "a reader's placement moves the grids into the shot's world, and the writer takes it back to "
+    "the last bit") {
     const Scratch scratch;
     Frame1 frame;
-    NodeBench reader(vdb_read(), "{path: " + frame_51 + ", grids: {velocity: vector}, translate: [0.1, -3.3, 7.7], scale: 3.7}");
+    NodeBench reader(vdb_read(),
+                     "{path: " + frame_51 +
+                         ", grids: {velocity: vector}, translate: [0.1, -3.3, 7.7], scale: 3.7}");
     const auto out = reader.run({}, frame());
     const auto was = read_vdb(frame_51);
     const auto density = out.at("volume").as<Volume>()->find("density");
@@ -82,7 +88,10 @@ TEST_CASE("a reader's placement moves the grids into the shot's world, and the w
     NodeBench writer(vdb_write(), "{path: " + (scratch / "out.vdb") + "}");
     writer.run({{"source", {out.at("volume")}}}, frame());
     require_same(was, read_vdb(scratch / "out.vdb"));
-    writer.run({{"source", {Payload(std::make_shared<Volume>(Volume{{out.at("velocity").as<VectorGrid>()}, {}, {}}))}}}, frame());
+    writer.run({{"source",
+                 {Payload(std::make_shared<Volume>(
+                     Volume{{out.at("velocity").as<VectorGrid>()}, {}, {}}))}}},
+               frame());
     CHECK(difference(*was.find("velocity"), *read_vdb_grid(scratch / "out.vdb", "velocity")) == "");
 }
 
@@ -91,7 +100,8 @@ TEST_CASE("a stated placement of the writer is undone in grids that no reader pl
     Frame1 frame;
     const auto grid = FloatGrid::create();
     grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
-    NodeBench writer(vdb_write(), "{path: " + (scratch / "out.vdb") + ", translate: [1, 2, 3], scale: 2}");
+    NodeBench writer(vdb_write(),
+                     "{path: " + (scratch / "out.vdb") + ", translate: [1, 2, 3], scale: 2}");
     writer.run({{"source", {Payload(std::make_shared<Volume>(Volume{{grid}, {}, {}}))}}}, frame());
     const auto back = read_vdb_grid(scratch / "out.vdb", "");
     CHECK((back->indexToWorld(Vec3d(0)) - Vec3d(-0.5, -1, -1.5)).length() < 1e-12);
@@ -104,14 +114,17 @@ TEST_CASE("vel.x, vel.y and vel.z are read as one staggered vector and written b
     const auto was = houdini_volume();
     write_vdb(scratch / "in.vdb", was);
     for (const auto* placement : {"", ", translate: [4, 5, 6.1], scale: 0.3"}) {
-        NodeBench reader(vdb_read(), "{path: " + (scratch / "in.vdb") + ", grids: {vel: vector}" + placement + "}");
+        NodeBench reader(vdb_read(), "{path: " + (scratch / "in.vdb") + ", grids: {vel: vector}" +
+                                         placement + "}");
         const auto out = reader.run({}, frame());
         const auto vel = out.at("vel").as<VectorGrid>();
         CHECK(vel->getGridClass() == openvdb::GRID_STAGGERED);
         CHECK(vel->tree().getValue({3, 2, 1}) == openvdb::Vec3s(321, 1321, 2321));
         CHECK(vel->tree().isValueOn({9, 5, 3}));
-        if (*placement == '\0') CHECK((vel->indexToWorld(Vec3d(0)) - Vec3d(1, 2, 3)).length() < 1e-12);
-        for (const auto& source : {out.at("volume"), Payload(std::make_shared<Volume>(Volume{{vel}, {}, {}}))}) {
+        if (*placement == '\0')
+            CHECK((vel->indexToWorld(Vec3d(0)) - Vec3d(1, 2, 3)).length() < 1e-12);
+        for (const auto& source :
+             {out.at("volume"), Payload(std::make_shared<Volume>(Volume{{vel}, {}, {}}))}) {
             NodeBench writer(vdb_write(), "{path: " + (scratch / "out.vdb") + "}");
             writer.run({{"source", {source}}}, frame());
             require_same(was, read_vdb(scratch / "out.vdb"));
@@ -119,7 +132,9 @@ TEST_CASE("vel.x, vel.y and vel.z are read as one staggered vector and written b
     }
 }
 
-TEST_CASE("a changed triplet is written as three grids with the names, places and metadata that they had") {
+TEST_CASE(
+    "a changed triplet is written as three grids with the names, places and metadata that they "
+    "had") {
     const Scratch scratch;
     const auto was = houdini_volume();
     const auto vel = merged(*triplet_of(was, *was.grids[1].grid()));
@@ -129,10 +144,12 @@ TEST_CASE("a changed triplet is written as three grids with the names, places an
     const auto out = read_vdb(scratch / "out.vdb");
     REQUIRE(out.names() == "vel.x, vel.y, vel.z");
     for (int axis = 0; axis < 3; ++axis) {
-        const auto& grid = static_cast<const FloatGrid&>(*out.grids[static_cast<std::size_t>(axis)].grid());
+        const auto& grid =
+            static_cast<const FloatGrid&>(*out.grids[static_cast<std::size_t>(axis)].grid());
         CHECK(grid.tree().getValue({3, 2, 1}) == static_cast<float>(-1 - axis));
         CHECK(grid.tree().getValue({0, 5, 3}) == static_cast<float>(53 + 1000 * axis));
-        CHECK(grid.activeVoxelCount() == was.grids[static_cast<std::size_t>(axis)]->activeVoxelCount());
+        CHECK(grid.activeVoxelCount() ==
+              was.grids[static_cast<std::size_t>(axis)]->activeVoxelCount());
         CHECK(grid.metaValue<std::int32_t>("axis") == axis);
         CHECK(grid.transform() == was.grids[static_cast<std::size_t>(axis)]->transform());
         CHECK(grid.saveFloatAsHalf() == (axis == 1));
@@ -148,8 +165,12 @@ TEST_CASE("three grids that are no vector are told apart") {
     const Scratch scratch;
     Frame1 frame;
     write_vdb(scratch / "in.vdb", volume);
-    CHECK(failure_of([&] { NodeBench(vdb_read(), "{path: " + (scratch / "in.vdb") + ", grids: {vel: vector}}").run({}, frame()); }) ==
-          "grids 'vel.x', 'vel.y' and 'vel.z' are no vector: their transforms are neither the same nor half a voxel apart, each along its axis; read them as "
+    CHECK(failure_of([&] {
+              NodeBench(vdb_read(), "{path: " + (scratch / "in.vdb") + ", grids: {vel: vector}}")
+                  .run({}, frame());
+          }) ==
+          "grids 'vel.x', 'vel.y' and 'vel.z' are no vector: their transforms are neither the same "
+          "nor half a voxel apart, each along its axis; read them as "
           "three float grids");
 }
 
@@ -166,7 +187,8 @@ TEST_CASE("the components of a staggered triplet travel with their voxel's index
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto& before = static_cast<const FloatGrid&>(*volume.grids[axis].grid()).tree();
         const auto& after = static_cast<const FloatGrid&>(*out.grids[axis].grid()).tree();
-        for (int x = 0; x < 8; ++x) CHECK(after.getValue({x, 3, 2}) == before.getValue({x + (x >= 4), 3, 2}));
+        for (int x = 0; x < 8; ++x)
+            CHECK(after.getValue({x, 3, 2}) == before.getValue({x + (x >= 4), 3, 2}));
     }
 }
 
@@ -182,7 +204,8 @@ TEST_CASE("a grid type that OpenVDB does not know is kept byte for byte, and onl
     grid->insertMeta("note", openvdb::StringMetadata("keep me"));
     const auto plain = FloatGrid::create(1.0f);
     plain->setName("plain");
-    openvdb::io::File(scratch / "in.vdb").write(openvdb::GridCPtrVec{grid, plain, grid->copyGrid()});
+    openvdb::io::File(scratch / "in.vdb")
+        .write(openvdb::GridCPtrVec{grid, plain, grid->copyGrid()});
     type.forget();
 
     const auto volume = read_vdb(scratch / "in.vdb");
@@ -193,7 +216,8 @@ TEST_CASE("a grid type that OpenVDB does not know is kept byte for byte, and onl
     CHECK(&volume.grids[0]->constBaseTree() == &volume.grids[2]->constBaseTree());
     write_vdb(scratch / "out.vdb", volume);
     CHECK(failure_of([&] { write_vdb(scratch / "other.vdb", volume, Codec::none); }) ==
-          fmt::format("cannot write {}: grid 'rare' is of type Tree_float_5_4_2, which OpenVDB does not know, and can't be compressed again; set 'compression: "
+          fmt::format("cannot write {}: grid 'rare' is of type Tree_float_5_4_2, which OpenVDB "
+                      "does not know, and can't be compressed again; set 'compression: "
                       "as_read', or leave it out",
                       scratch / "other.vdb"));
 
@@ -205,11 +229,14 @@ TEST_CASE("a grid type that OpenVDB does not know is kept byte for byte, and onl
     CHECK(difference(*grid, *file.readGrid("rare[0]")) == "");
     CHECK(difference(*plain, *file.readGrid("plain")) == "");
     const auto rare = [](const auto& each) { return each->getName() == "rare"; };
-    const auto first = std::ranges::find_if(*back, rare), second = std::ranges::find_if(std::next(first), back->end(), rare);
+    const auto first = std::ranges::find_if(*back, rare),
+               second = std::ranges::find_if(std::next(first), back->end(), rare);
     CHECK(&(*first)->constBaseTree() == &(*second)->constBaseTree());
 }
 
-TEST_CASE("whose files they are is seen by their grids and marks, and their names are found by the common ones") {
+TEST_CASE(
+    "whose files they are is seen by their grids and marks, and their names are found by the "
+    "common ones") {
     const Scratch scratch;
     const auto named = [&](const std::vector<std::string>& names, const std::string& creator = {}) {
         Volume volume;
@@ -218,7 +245,8 @@ TEST_CASE("whose files they are is seen by their grids and marks, and their name
             grid->setName(name);
             volume.grids.push_back(grid);
         }
-        if (!creator.empty()) volume.metadata.insertMeta("creator", openvdb::StringMetadata(creator));
+        if (!creator.empty())
+            volume.metadata.insertMeta("creator", openvdb::StringMetadata(creator));
         write_vdb(scratch / "f.vdb", volume);
         return read_vdb_header(scratch / "f.vdb");
     };
@@ -231,14 +259,18 @@ TEST_CASE("whose files they are is seen by their grids and marks, and their name
     CHECK(detected(named({"density", "vel.x", "vel.y", "vel.z"})) == "houdini");
     CHECK(detected(named({"density", "flames"})) == "embergen");
     CHECK(detected(named({"density", "flames", "vel"})) == "embergen");
-    CHECK(name_in_file(named({"density", "flames", "vel"}), conventions_of("embergen"), "velocity") == "vel");
+    CHECK(name_in_file(named({"density", "flames", "vel"}), conventions_of("embergen"),
+                       "velocity") == "vel");
     CHECK(detected(named({"voxel_fog_density"})) == "bifrost");
     CHECK(detected(named({"density"})) == "");
     CHECK(detected(named({"heat", "voxel_velocity"})) == "");
 
-    CHECK(name_in_file(named({"density", "heat"}), conventions_of("houdini"), "temperature") == "heat");
-    CHECK(name_in_file(named({"vel.x", "vel.y", "vel.z"}), conventions_of("houdini"), "velocity") == "vel");
-    CHECK(name_in_file(named({"velocity", "vel"}), conventions_of("houdini"), "velocity") == "velocity");
+    CHECK(name_in_file(named({"density", "heat"}), conventions_of("houdini"), "temperature") ==
+          "heat");
+    CHECK(name_in_file(named({"vel.x", "vel.y", "vel.z"}), conventions_of("houdini"), "velocity") ==
+          "vel");
+    CHECK(name_in_file(named({"velocity", "vel"}), conventions_of("houdini"), "velocity") ==
+          "velocity");
     CHECK(name_in_file(named({"voxel_velocity"}), nullptr, "velocity") == "velocity");
     CHECK(name_in_file(named({"other"}), conventions_of("bifrost"), "density") == "density");
 }
@@ -251,7 +283,10 @@ TEST_CASE("one pipeline reads the velocities of any application") {
     bifrost->setName("voxel_velocity");
     write_vdb(scratch / "bifrost.vdb", Volume{{bifrost}, {}, {}});
     const auto read = [&](const std::string& path, const std::string& more = {}) {
-        return NodeBench(vdb_read(), "{path: " + path + ", grids: {velocity: vector}" + more + "}").run({}, frame()).at("velocity").as<VectorGrid>();
+        return NodeBench(vdb_read(), "{path: " + path + ", grids: {velocity: vector}" + more + "}")
+            .run({}, frame())
+            .at("velocity")
+            .as<VectorGrid>();
     };
     CHECK(read(frame_51)->getName() == "velocity");
     CHECK(read(scratch / "houdini.vdb")->getName() == "vel");
@@ -261,19 +296,23 @@ TEST_CASE("one pipeline reads the velocities of any application") {
     const auto plain = VectorGrid::create();
     plain->setName("velocity");
     write_vdb(scratch / "old.vdb", Volume{{plain}, {}, {}});
-    CHECK(read(scratch / "old.vdb", ", profile: blender")->getGridClass() == openvdb::GRID_STAGGERED);
+    CHECK(read(scratch / "old.vdb", ", profile: blender")->getGridClass() ==
+          openvdb::GRID_STAGGERED);
     CHECK(read(scratch / "old.vdb")->getGridClass() == openvdb::GRID_UNKNOWN);
 
     // The class is the reader's guess, and stays out of what is written.
     for (const bool stated : {false, true}) {
         if (stated) plain->setGridClass(openvdb::GRID_UNKNOWN);
         write_vdb(scratch / "old.vdb", Volume{{plain}, {}, {}});
-        write_vdb(scratch / "again.vdb", Volume{{read(scratch / "old.vdb", ", profile: blender, scale: 3")}, {}, {}});
+        write_vdb(scratch / "again.vdb",
+                  Volume{{read(scratch / "old.vdb", ", profile: blender, scale: 3")}, {}, {}});
         CHECK(difference(*plain, *read_vdb_grid(scratch / "again.vdb", "velocity")) == "");
     }
 }
 
-TEST_CASE("what is wrong in any frame is told before the first is read: a cut file, a grid missing, voxels that change") {
+TEST_CASE(
+    "what is wrong in any frame is told before the first is read: a cut file, a grid missing, "
+    "voxels that change") {
     const Scratch scratch;
     for (int frame = 1; frame <= 4; ++frame) {
         Volume volume;
@@ -287,13 +326,18 @@ TEST_CASE("what is wrong in any frame is told before the first is read: a cut fi
     scratch.write("a.02.vdb", whole.substr(0, whole.size() - 5));
     NodeBench node(vdb_read(), "{path: " + (scratch / "a.##.vdb") + ", grids: {density: float}}");
     const auto said = node.survey({1, 2, 3, 4});
-    CHECK(said.absent.at(2) == fmt::format("{} is cut off: grid 'density' ends at byte {}, the file at {}; copy or write it again", scratch / "a.02.vdb",
-                                           whole.size(), whole.size() - 5));
+    CHECK(
+        said.absent.at(2) ==
+        fmt::format(
+            "{} is cut off: grid 'density' ends at byte {}, the file at {}; copy or write it again",
+            scratch / "a.02.vdb", whole.size(), whole.size() - 5));
     CHECK(said.absent.at(3) == (scratch / "a.03.vdb") + " has no grid 'density'; it has smoke");
     CHECK(said.absent.size() == 2);
-    CHECK(said.warnings == std::vector<std::string>{
-                               "grid 'density' has voxels of 0.1 x 0.1 x 0.1, the first at [0, 0, 0] in frame 1, but voxels of 0.2 x 0.2 x 0.2, the first at "
-                               "[0, 0, 0] in frame 4 (an adaptive domain?): no lattice fits both; bake with a fixed domain"});
+    CHECK(said.warnings ==
+          std::vector<std::string>{"grid 'density' has voxels of 0.1 x 0.1 x 0.1, the first at [0, "
+                                   "0, 0] in frame 1, but voxels of 0.2 x 0.2 x 0.2, the first at "
+                                   "[0, 0, 0] in frame 4 (an adaptive domain?): no lattice fits "
+                                   "both; bake with a fixed domain"});
 }
 
 TEST_CASE("a reader says before a run where the voxels of all frames lie, in the shot's world") {
@@ -305,8 +349,12 @@ TEST_CASE("a reader says before a run where the voxels of all frames lie, in the
         if (frame < 3) grid->fill({Coord(2 * frame, 0, 0), Coord(2 * frame + 1, 1, 1)}, 1, true);
         write_vdb(scratch / fmt::format("a.{:02}.vdb", frame), Volume{{grid}, {}, {}});
     }
-    const NodeBench reader(vdb_read(), "{path: " + (scratch / "a.##.vdb") + ", grids: {density: float}, translate: [10, 0, 0], scale: 2}");
-    const auto region = [&](const std::vector<int>& frames) { return reader.survey(frames).regions.at("density"); };
+    const NodeBench reader(vdb_read(),
+                           "{path: " + (scratch / "a.##.vdb") +
+                               ", grids: {density: float}, translate: [10, 0, 0], scale: 2}");
+    const auto region = [&](const std::vector<int>& frames) {
+        return reader.survey(frames).regions.at("density");
+    };
     // A voxel more on all sides.
     REQUIRE(region({1, 2, 3}).boxes.size() == 1);
     CHECK(text_of(region({1, 2, 3}).boxes[0]) == "(11, -1, -1) to (16, 2, 2)");

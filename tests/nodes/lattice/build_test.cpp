@@ -1,7 +1,7 @@
-#include "nodes/lattice/build.h"
-#include "graph/text/problem.h"
-#include "nodes/lattice/build_node.h"
-#include "nodes/rig/circle.h"
+#include "carve/lattice/build.h"
+#include "carve/base/failure.h"
+#include "carve/rig/circle.h"
+#include "nodes/lattice.h"
 #include "tests/support/built_lattices.h"
 #include "tests/support/node_bench.h"
 
@@ -36,15 +36,16 @@ void require_orthonormal(const Lattice& lattice, double hand = 1) {
     }
 }
 
-/// How much a plane's basis turns about its path on the way to the next: the angle of `v`, next to what the least
-/// rotation that takes `w` to the next `w` makes of it.
+/// How much a plane's basis turns about its path on the way to the next: the angle of `v`, next to
+/// what the least rotation that takes `w` to the next `w` makes of it.
 double twist(const Lattice::Plane& from, const Lattice::Plane& to) {
     const auto axis = from.w.cross(to.w);
     auto v = from.v;
     if (axis.length() > 1e-14) {
         const auto a = axis.unit();
         const double angle = std::atan2(axis.length(), from.w.dot(to.w));
-        v = std::cos(angle) * v + std::sin(angle) * a.cross(v) + (1 - std::cos(angle)) * a.dot(v) * a;
+        v = std::cos(angle) * v + std::sin(angle) * a.cross(v) +
+            (1 - std::cos(angle)) * a.dot(v) * a;
     }
     return std::atan2(v.cross(to.v).dot(to.w), v.dot(to.v));
 }
@@ -52,7 +53,8 @@ double twist(const Lattice::Plane& from, const Lattice::Plane& to) {
 }  // namespace
 
 TEST_CASE("a lattice along a straight rig is a box") {
-    const auto built = build_lattice(through({{0, 3, 0}, {0, 3, 1.3}, {0, 3, 4}}, false, {0, 1, 0}), spec(0.1, {-1, 1}, {-0.4, 0.8}));
+    const auto built = build_lattice(through({{0, 3, 0}, {0, 3, 1.3}, {0, 3, 4}}, false, {0, 1, 0}),
+                                     spec(0.1, {-1, 1}, {-0.4, 0.8}));
     const auto& lattice = built.lattice;
     // v is up, w the path, u = v x w.
     const auto box = make_box(Vec3d(-1, 2.6, 0), {21, 13, 41}, 0.1, {0, 1, 2});
@@ -60,22 +62,27 @@ TEST_CASE("a lattice along a straight rig is a box") {
     CHECK(lattice.is_box());
     CHECK(built.step == 0.1);
     CHECK(built.folds.cells == 0);
-    for (const auto& at : {Vec3d(0, 0, 0), Vec3d(20, 12, 40), Vec3d(3.5, 2.25, 17.75)}) CHECK((lattice.position(at) - box.position(at)).length() < 1e-9);
+    for (const auto& at : {Vec3d(0, 0, 0), Vec3d(20, 12, 40), Vec3d(3.5, 2.25, 17.75)})
+        CHECK((lattice.position(at) - box.position(at)).length() < 1e-9);
     CHECK(lattice.description ==
-          "lattice of 21 x 13 x 41 vertices along an open path of 3 points from (0, 3, 0) to (0, 3, 4), u from -1, v from -0.4, spacing 0.1");
+          "lattice of 21 x 13 x 41 vertices along an open path of 3 points from (0, 3, 0) to (0, "
+          "3, 4), u from -1, v from -0.4, spacing 0.1");
     CHECK(lattice.hash == lattice_hash(lattice));
 }
 
 TEST_CASE("a straight rig far out, askew and finely divided is still a box") {
     const auto turn = Vec3d(std::cos(0.12), std::sin(0.12), 0.05).unit();
-    const auto built = build_lattice(through({Vec3d(130, -77, 41), Vec3d(130, -77, 41) + 20.0 * turn}), spec(0.01));
+    const auto built = build_lattice(
+        through({Vec3d(130, -77, 41), Vec3d(130, -77, 41) + 20.0 * turn}), spec(0.01));
     CHECK(built.lattice.shape == std::array{101, 101, 2001});
     CHECK(built.lattice.is_box());
 }
 
 TEST_CASE("a spacing typed with few digits does not cost the last plane or vertex") {
-    CHECK(build_lattice(through({{0, 0, 0}, {0, 9, 0}}), spec(0.333334, {0, 2}, {0, 1})).lattice.shape == std::array{7, 4, 28});
-    CHECK(build_lattice(through({{0, 0, 0}, {0, 9.2, 0}}), spec(1, {0, 2.9}, {0, 0.5})).lattice.shape == std::array{3, 1, 10});
+    CHECK(build_lattice(through({{0, 0, 0}, {0, 9, 0}}), spec(0.333334, {0, 2}, {0, 1}))
+              .lattice.shape == std::array{7, 4, 28});
+    CHECK(build_lattice(through({{0, 0, 0}, {0, 9.2, 0}}), spec(1, {0, 2.9}, {0, 0.5}))
+              .lattice.shape == std::array{3, 1, 10});
 }
 
 TEST_CASE("planes of a circle stand radially at equal distances, also where it closes") {
@@ -95,7 +102,11 @@ TEST_CASE("planes of a circle stand radially at equal distances, also where it c
         const auto out = (origin(lattice, settings, k) - center) / radius;
         turned = std::max({turned, (plane.u - out).length(), (plane.v - Vec3d(0, 0, 1)).length()});
         along = std::max(along, std::abs(out.length() - 1));
-        uneven = std::max(uneven, std::abs((origin(lattice, settings, (k + 1) % 314) - origin(lattice, settings, k)).length() - built.step));
+        uneven = std::max(
+            uneven,
+            std::abs(
+                (origin(lattice, settings, (k + 1) % 314) - origin(lattice, settings, k)).length() -
+                built.step));
     }
     CHECK(turned < 1e-12);
     CHECK(along < 1e-12);
@@ -110,7 +121,8 @@ TEST_CASE("planes of an oval stand at equal distances, also where it closes") {
     const auto built = build_lattice(circle_rig({0, 0, 0}, {0, 1, 0}, {4, 1.5}, 0.3), settings);
     const auto count = built.lattice.planes.size();
     for (std::size_t k = 0; k < count; ++k) {
-        const auto here = origin(built.lattice, settings, k), next = origin(built.lattice, settings, (k + 1) % count);
+        const auto here = origin(built.lattice, settings, k),
+                   next = origin(built.lattice, settings, (k + 1) % count);
         REQUIRE(std::abs((next - here).length() - built.step) < 1e-12);
         REQUIRE(std::abs(here.x() * here.x() / 16 + here.z() * here.z() / 2.25 - 1) < 1e-12);
         REQUIRE(here.dot(built.lattice.planes[k].u) > 0);
@@ -122,14 +134,20 @@ TEST_CASE("a polyline is resampled by straight distances, corners or not") {
     const auto settings = spec(0.3, {-0.1, 0.1}, {-0.1, 0.1});
     auto options = settings;
     options.smooth = Smooth::none;
-    const auto open = build_lattice(through({{0, 0, 0}, {1, 0, 0}, {1, 0.7, 0}, {2, 2, 1}}), options);
+    const auto open =
+        build_lattice(through({{0, 0, 0}, {1, 0, 0}, {1, 0.7, 0}, {2, 2, 1}}), options);
     for (std::size_t k = 0; k + 1 < open.lattice.planes.size(); ++k)
-        REQUIRE((origin(open.lattice, settings, k + 1) - origin(open.lattice, settings, k)).length() == Approx(0.3).epsilon(1e-12));
-    const auto closed = build_lattice(through({{0, 0, 0}, {5, 0, 0}, {5, 3, 0}, {0, 3, 0}}, true), options);
+        REQUIRE(
+            (origin(open.lattice, settings, k + 1) - origin(open.lattice, settings, k)).length() ==
+            Approx(0.3).epsilon(1e-12));
+    const auto closed =
+        build_lattice(through({{0, 0, 0}, {5, 0, 0}, {5, 3, 0}, {0, 3, 0}}, true), options);
     const auto count = closed.lattice.planes.size();
     CHECK(count == 52);
     for (std::size_t k = 0; k < count; ++k)
-        REQUIRE((origin(closed.lattice, settings, (k + 1) % count) - origin(closed.lattice, settings, k)).length() == Approx(closed.step).epsilon(1e-9));
+        REQUIRE((origin(closed.lattice, settings, (k + 1) % count) -
+                 origin(closed.lattice, settings, k))
+                    .length() == Approx(closed.step).epsilon(1e-9));
     // Counter-clockwise seen from up: u points inwards.
     CHECK(closed.lattice.planes[8].u.dot(Vec3d(0, 1, 0)) > 0.99);
 }
@@ -148,7 +166,8 @@ TEST_CASE("a basis carried along a helix is orthonormal and does not twist") {
 }
 
 TEST_CASE("what a closed rig turns a basis by is spread evenly over all planes") {
-    const auto built = build_lattice(through(saddle_points(), true), spec(0.05, {-0.2, 0.2}, {-0.2, 0.2}));
+    const auto built =
+        build_lattice(through(saddle_points(), true), spec(0.05, {-0.2, 0.2}, {-0.2, 0.2}));
     require_orthonormal(built.lattice);
     const auto& planes = built.lattice.planes;
     double least = 1e9, most = -1e9, sum = 0;
@@ -179,11 +198,14 @@ TEST_CASE("flip_u mirrors a lattice") {
 TEST_CASE("the closed form has the paper's directions, each towards the next plane") {
     auto settings = spec(0.1);
     settings.closed_form = true;
-    const auto lattice = build_lattice(circle_rig({0, 0, 0}, {0, 0, 1}, {5, 5}, 0), settings).lattice;
+    const auto lattice =
+        build_lattice(circle_rig({0, 0, 0}, {0, 0, 1}, {5, 5}, 0), settings).lattice;
     CHECK(lattice.closed_form);
     const auto count = lattice.planes.size();
     for (const std::size_t k : {std::size_t{0}, std::size_t{7}, count - 1})
-        CHECK((origin(lattice, settings, (k + 1) % count) - origin(lattice, settings, k)).unit().dot(lattice.planes[k].w) == Approx(1).epsilon(1e-12));
+        CHECK((origin(lattice, settings, (k + 1) % count) - origin(lattice, settings, k))
+                  .unit()
+                  .dot(lattice.planes[k].w) == Approx(1).epsilon(1e-12));
     auto other = lattice;
     other.closed_form = false;
     CHECK(lattice_hash(other) != lattice.hash);
@@ -193,24 +215,30 @@ TEST_CASE("the closed form has the paper's directions, each towards the next pla
 }
 
 TEST_CASE("positions go around a closed lattice") {
-    const auto lattice = build_lattice(circle_rig({0, 0, 0}, {0, 0, 1}, {5, 5}, 0), spec(0.1)).lattice;
+    const auto lattice =
+        build_lattice(circle_rig({0, 0, 0}, {0, 0, 1}, {5, 5}, 0), spec(0.1)).lattice;
     const double around = lattice.shape[2];
     for (const double w : {0.0, 0.5, around - 0.5, around - 1}) {
         CHECK((lattice.position({3, 4, w}) - lattice.position({3, 4, w + around})).length() < 1e-9);
         CHECK((lattice.position({3, 4, w}) - lattice.position({3, 4, w - around})).length() < 1e-9);
     }
-    CHECK((lattice.position({3, 4, around - 0.5}) - 0.5 * (lattice.position({3, 4, around - 1}) + lattice.position({3, 4, 0}))).length() < 1e-12);
-    CHECK(lattice.position({3, 4, around - 0.25}).y() == Approx(-lattice.position({3, 4, 0.25}).y()).margin(1e-12));
+    CHECK((lattice.position({3, 4, around - 0.5}) -
+           0.5 * (lattice.position({3, 4, around - 1}) + lattice.position({3, 4, 0})))
+              .length() < 1e-12);
+    CHECK(lattice.position({3, 4, around - 0.25}).y() ==
+          Approx(-lattice.position({3, 4, 0.25}).y()).margin(1e-12));
 }
 
 TEST_CASE("folded cells are those in which neighbouring planes cross") {
     // Planes that turn about a point at distance 1: cells inside of it are folded.
     auto settings = spec(0.1, {-1.55, 0.5}, {0, 0.25});
     settings.smooth = Smooth::none;
-    const auto lattice = build_lattice(circle_rig({0, 0, 0}, {0, 0, 1}, {1, 1}, 0), settings).lattice;
+    const auto lattice =
+        build_lattice(circle_rig({0, 0, 0}, {0, 0, 1}, {1, 1}, 0), settings).lattice;
     const auto folds = count_folds(lattice, lattice.shape[0], lattice.shape[1]);
     const auto planes = static_cast<std::size_t>(lattice.shape[2]);
-    // Vertices at -1.55, ..., -1.05 lie beyond the centre: the six cells that begin there, in both rows.
+    // Vertices at -1.55, ..., -1.05 lie beyond the centre: the six cells that begin there, in both
+    // rows.
     CHECK(folds.cells == 6 * 2 * planes);
     CHECK(folds.in_plane == 12);
     CHECK(folds.plane == 0);
@@ -233,36 +261,49 @@ TEST_CASE("smoothing takes the folds out of a kinked rig") {
         CHECK((built.moved > 0) == (smooth == Smooth::points));
         CHECK(built.moved < 0.5);
         CHECK((origin(built.lattice, settings, 0) - Vec3d(0)).length() < 1e-12);
-        CHECK((origin(built.lattice, settings, built.lattice.planes.size() - 1) - Vec3d(4, 4, 0)).length() < 0.1);
+        CHECK((origin(built.lattice, settings, built.lattice.planes.size() - 1) - Vec3d(4, 4, 0))
+                  .length() < 0.1);
     }
     settings.smooth = Smooth::none;
     CHECK(build_lattice(kinked, settings).iterations == 0);
 }
 
 TEST_CASE("a rig that can't carry a lattice is refused") {
-    const auto fault = [](const Rig& rig, double spacing, std::optional<int> planes = std::nullopt) {
+    const auto fault = [](const Rig& rig, double spacing,
+                          std::optional<int> planes = std::nullopt) {
         return failure_of([&] { build_lattice(rig, spec(spacing), planes); });
     };
     CHECK(fault(through({{1, 1, 1}}), 1) == "a rig needs at least 2 points, not 1");
-    CHECK(fault(through({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}}), 0.1) == "points 2 and 3 of the rig are the same, (1, 0, 0)");
-    CHECK(fault(through({{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}}), 0.1) == "the rig turns right back at point 2, (1, 0, 0)");
-    CHECK(fault(through({{0, 0, 0}, {0.5, 0, 0}}), 1) == "the rig, 0.5 long, stays within one spacing, 1, of its start; take a smaller spacing");
+    CHECK(fault(through({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}}), 0.1) ==
+          "points 2 and 3 of the rig are the same, (1, 0, 0)");
+    CHECK(fault(through({{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}}), 0.1) ==
+          "the rig turns right back at point 2, (1, 0, 0)");
+    CHECK(fault(through({{0, 0, 0}, {0.5, 0, 0}}), 1) ==
+          "the rig, 0.5 long, stays within one spacing, 1, of its start; take a smaller spacing");
     CHECK(fault(through({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, true), 2) ==
           "the closed rig is 3.41421 around; at a spacing of 2 that makes fewer than three planes");
-    CHECK(fault(through({{0, 0, 0}, {0, 0, 5}}), 1) == "the rig starts along its 'up', (0, 0, 1), which leaves the direction of v open; state another 'up'");
-    CHECK(fault(through({{0, 0, 0}, {70000, 0, 0}}), 1) == "the rig, 70000 long, needs more than 65534 planes at a spacing of 1; 65534 is the most");
+    CHECK(fault(through({{0, 0, 0}, {0, 0, 5}}), 1) ==
+          "the rig starts along its 'up', (0, 0, 1), which leaves the direction of v open; state "
+          "another 'up'");
+    CHECK(fault(through({{0, 0, 0}, {70000, 0, 0}}), 1) ==
+          "the rig, 70000 long, needs more than 65534 planes at a spacing of 1; 65534 is the most");
     CHECK(failure_of([&] {
               build_lattice(through({{0, 0, 0}, {30, 0, 0}}), spec(0.001, {-1, 1}, {-1, 1}));
-          }) == "a spacing of 0.001 makes 2001 x 2001 x 30001 vertices, which take 240 GB in each frame; take about the size of a voxel, and 0.0025 at least");
+          }) ==
+          "a spacing of 0.001 makes 2001 x 2001 x 30001 vertices, which take 240 GB in each frame; "
+          "take about the size of a voxel, and 0.0025 at least");
     CHECK(fault(through({{0, 0, 0}, {2, 0, 0}, {2, 0.004, 0}, {0, 0.004, 0}}), 0.5) ==
-          "the rig turns right back within one spacing near (2, 0, 0), plane 4; smooth it, or take another spacing");
+          "the rig turns right back within one spacing near (2, 0, 0), plane 4; smooth it, or take "
+          "another spacing");
 }
 
 TEST_CASE("a lattice is the same a million units away") {
     const Vec3d far(1e6, -1e6, 1e6);
-    std::vector<Rig> rigs{circle_rig({0, 0, 0}, {0, 0, 1}, {1.15, 1.15}, 0), circle_rig({0, 0, 0}, {0, 1, 1}, {2, 1.2}, 0.3)};
+    std::vector<Rig> rigs{circle_rig({0, 0, 0}, {0, 0, 1}, {1.15, 1.15}, 0),
+                          circle_rig({0, 0, 0}, {0, 1, 1}, {2, 1.2}, 0.3)};
     std::vector<Vec3d> bent;
-    for (int n = 0; n < 20; ++n) bent.emplace_back(std::cos(0.25 * n), std::sin(0.25 * n), 0.03 * n);
+    for (int n = 0; n < 20; ++n)
+        bent.emplace_back(std::cos(0.25 * n), std::sin(0.25 * n), 0.03 * n);
     rigs.push_back(through(bent, false, {0, 0, 1}));
     rigs.push_back(through(bent, true, {0, 0, 1}));
     for (const auto& rig : rigs) {
@@ -272,7 +313,8 @@ TEST_CASE("a lattice is the same a million units away") {
         auto settings = spec(0.0555556, {-0.2, 0.2}, {-0.3, 0.3});
         for (settings.around = false;; settings.around = true) {
             INFO(text_of(rig));
-            const auto here = build_lattice(rig, settings).lattice, there = build_lattice(moved, settings).lattice;
+            const auto here = build_lattice(rig, settings).lattice,
+                       there = build_lattice(moved, settings).lattice;
             REQUIRE(here.shape == there.shape);
             for (std::size_t k = 0; k < here.planes.size(); ++k) {
                 const auto &a = here.planes[k], &b = there.planes[k];
@@ -285,11 +327,15 @@ TEST_CASE("a lattice is the same a million units away") {
 }
 
 TEST_CASE("closed rigs of other lengths are divided into the same number of planes") {
-    const auto circle = [](double radius) { return circle_rig({0, 0, 0}, {0, 0, 1}, {radius, radius}, 0); };
-    const Run run("{spacing: 0.1, extent_u: [-0.5, 0.5], extent_v: [-0.2, 0.2]}", {circle(2), circle(3)}, {1, 2});
+    const auto circle = [](double radius) {
+        return circle_rig({0, 0, 0}, {0, 0, 1}, {radius, radius}, 0);
+    };
+    const Run run("{spacing: 0.1, extent_u: [-0.5, 0.5], extent_v: [-0.2, 0.2]}",
+                  {circle(2), circle(3)}, {1, 2});
     REQUIRE(run.heard.warnings.size() == 1);
     CHECK(run.heard.warnings[0] ==
-          "the rig needs 188 planes in frame 2, but 126 in frame 1; all frames get 188 planes, which are 0.06684 apart in frame 1 instead of 0.1");
+          "the rig needs 188 planes in frame 2, but 126 in frame 1; all frames get 188 planes, "
+          "which are 0.06684 apart in frame 1 instead of 0.1");
     CHECK(run.lattices[0]->shape == run.lattices[1]->shape);
     CHECK((run.lattices[0]->position(Vec3d(5, 2, 94)) - Vec3d(-2, 0, 0)).length() < 1e-9);
 }

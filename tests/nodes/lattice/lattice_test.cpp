@@ -1,7 +1,7 @@
-#include "nodes/lattice/alignment.h"
-#include "nodes/lattice/box.h"
-#include "nodes/lattice/mapping.h"
-#include "nodes/payloads.h"
+#include "nodes/lattice.h"
+#include "carve/lattice/alignment.h"
+#include "carve/lattice/mapping.h"
+#include "carve/volume/volume.h"
 #include "tests/support/node_bench.h"
 
 #include <catch2/catch.hpp>
@@ -32,7 +32,8 @@ Lattice fitted(const std::vector<Payload>& grids, const std::string& yaml = "{}"
     static const std::vector<int> frames{7, 8, 9};
     Context::Host host;
     NodeBench bench(lattice_box(), yaml, {{"fit", 1}});
-    for (std::size_t t = 0; t < grids.size(); ++t) bench.add({{"fit", {grids[t]}}}, Context(host, frames).at(t));
+    for (std::size_t t = 0; t < grids.size(); ++t)
+        bench.add({{"fit", {grids[t]}}}, Context(host, frames).at(t));
     return *bench.gathered({}).at("lattice").as<Lattice>();
 }
 
@@ -48,7 +49,8 @@ TEST_CASE("a box puts its vertices at equal distances along the chosen world axe
     CHECK(lattice.position(Vec3d(0, 3, 0)) == Vec3d(2.5, 2, 3));
     CHECK(lattice.position(Vec3d(0, 0, 2)) == Vec3d(1, 3, 3));
     CHECK(lattice.position(Vec3d(0.5, -1, 2.5)) == Vec3d(0.5, 3.25, 3.25));
-    CHECK(lattice.description == "box of 5 x 4 x 3 vertices from (1, 2, 3) to (2.5, 3, 5), spacing 0.5, axes zxy");
+    CHECK(lattice.description ==
+          "box of 5 x 4 x 3 vertices from (1, 2, 3) to (2.5, 3, 5), spacing 0.5, axes zxy");
 }
 
 TEST_CASE("a lattice of bent planes is no box, and between its planes it is straight") {
@@ -59,13 +61,17 @@ TEST_CASE("a lattice of bent planes is no box, and between its planes it is stra
     CHECK(Mapping(lattice).position(Vec3d(1, 1, 0.5)) == Vec3d(1.25, 1, 0.5));
 }
 
-TEST_CASE("the hash of a lattice depends on everything but its description, and not on the sign of zero") {
+TEST_CASE(
+    "the hash of a lattice depends on everything but its description, and not on the sign of "
+    "zero") {
     const auto lattice = make_box(Vec3d(0), {3, 4, 5}, 1.0, {0, 1, 2});
     CHECK(lattice.hash.starts_with("xxh3-64:"));
     CHECK(lattice.hash.size() == 8 + 16);
     CHECK(lattice.hash == make_box(Vec3d(-0.0), {3, 4, 5}, 1.0, {0, 1, 2}).hash);
-    for (const auto& other : {make_box(Vec3d(1e-12, 0, 0), {3, 4, 5}, 1.0, {0, 1, 2}), make_box(Vec3d(0), {4, 3, 5}, 1.0, {0, 1, 2}),
-                              make_box(Vec3d(0), {3, 4, 5}, 1.0000000001, {0, 1, 2}), make_box(Vec3d(0), {3, 4, 5}, 1.0, {1, 0, 2})})
+    for (const auto& other : {make_box(Vec3d(1e-12, 0, 0), {3, 4, 5}, 1.0, {0, 1, 2}),
+                              make_box(Vec3d(0), {4, 3, 5}, 1.0, {0, 1, 2}),
+                              make_box(Vec3d(0), {3, 4, 5}, 1.0000000001, {0, 1, 2}),
+                              make_box(Vec3d(0), {3, 4, 5}, 1.0, {1, 0, 2})})
         CHECK(lattice.hash != other.hash);
 }
 
@@ -74,14 +80,17 @@ TEST_CASE("a mapping and its inverse agree, snap to vertices, and end a hair bey
     const Mapping mapping(lattice);
     const Vec3d between(3.25, 6.5, 0.125);
     CHECK((*mapping.locate(mapping.position(between)) - between).length() < 1e-12);
-    for (int i = 0; i < 9; ++i) CHECK(mapping.locate(mapping.position(Vec3d(i, 3, 4)) + Vec3d(5e-7)) == Vec3d(i, 3, 4));
+    for (int i = 0; i < 9; ++i)
+        CHECK(mapping.locate(mapping.position(Vec3d(i, 3, 4)) + Vec3d(5e-7)) == Vec3d(i, 3, 4));
     CHECK(mapping.locate(mapping.position(Vec3d(8.00009, -0.00009, 3))) == Vec3d(8, 0, 3));
     CHECK(!mapping.locate(mapping.position(Vec3d(8.0002, 0, 3))));
     CHECK(!mapping.locate(mapping.position(Vec3d(0, -0.0002, 3))));
     CHECK(Mapping(lattice, {11, 8, 7}).locate(mapping.position(Vec3d(9.5, 0, 3))));
 }
 
-TEST_CASE("vertices are found to be voxels through mirrored, scaled and turned transforms, but not beside them") {
+TEST_CASE(
+    "vertices are found to be voxels through mirrored, scaled and turned transforms, but not "
+    "beside them") {
     const auto lattice = make_box(Vec3d(1, 1, 1), {5, 4, 1}, 0.5, {0, 1, 2});
     const auto same = align(lattice, *voxels_of(0.5));
     REQUIRE(same);
@@ -103,46 +112,64 @@ TEST_CASE("vertices are found to be voxels through mirrored, scaled and turned t
     REQUIRE(quarter);
     CHECK(quarter->one_to_one());
     CHECK(quarter->vertex(quarter->voxel(3, 2, 0)) == Coord(3, 2, 0));
-    CHECK((turned->indexToWorld(quarter->voxel(3, 2, 0)) - lattice.position(Vec3d(3, 2, 0))).length() < 1e-9);
+    CHECK((turned->indexToWorld(quarter->voxel(3, 2, 0)) - lattice.position(Vec3d(3, 2, 0)))
+              .length() < 1e-9);
 }
 
 TEST_CASE("lattice.box stands between min and max") {
-    const auto made = NodeBench(lattice_box(), "{min: [0, 0, 0], max: [6.75, 4, 5.5], spacing: 0.25, axes: yxz}").gathered({}).at("lattice").as<Lattice>();
+    const auto made =
+        NodeBench(lattice_box(), "{min: [0, 0, 0], max: [6.75, 4, 5.5], spacing: 0.25, axes: yxz}")
+            .gathered({})
+            .at("lattice")
+            .as<Lattice>();
     CHECK(made->shape == std::array{17, 28, 23});
     CHECK(made->position(Vec3d(16, 27, 22)) == Vec3d(6.75, 4, 5.5));
-    CHECK(NodeBench(lattice_box(), "{min: [0, 0, 0], max: [2.0004, 2, 0], spacing: 1}").gathered({}).at("lattice").as<Lattice>()->shape == std::array{3, 3, 1});
+    CHECK(NodeBench(lattice_box(), "{min: [0, 0, 0], max: [2.0004, 2, 0], spacing: 1}")
+              .gathered({})
+              .at("lattice")
+              .as<Lattice>()
+              ->shape == std::array{3, 3, 1});
 }
 
 TEST_CASE("lattice.box fits the voxels that are active in any frame") {
     const auto transform = voxels_of(0.5, Vec3d(0.1, 0.2, 0.3));
-    const auto lattice = fitted({grid_of(CoordBBox(Coord(-2, 0, 1), Coord(3, 4, 5)), transform), grid_of(CoordBBox(), voxels_of(3)),
+    const auto lattice = fitted({grid_of(CoordBBox(Coord(-2, 0, 1), Coord(3, 4, 5)), transform),
+                                 grid_of(CoordBBox(), voxels_of(3)),
                                  grid_of(CoordBBox(Coord(0, 0, 0), Coord(4, 1, 1)), transform)},
                                 "{axes: zyx}");
     CHECK(lattice.shape == std::array{6, 5, 7});
     CHECK(lattice.spacing == 0.5);
     CHECK(lattice.position(Vec3d(0)) == transform->indexToWorld(Coord(-2, 0, 0)));
-    CHECK((lattice.position(Vec3d(5, 4, 6)) - transform->indexToWorld(Coord(4, 4, 5))).length() < 1e-12);
+    CHECK((lattice.position(Vec3d(5, 4, 6)) - transform->indexToWorld(Coord(4, 4, 5))).length() <
+          1e-12);
 }
 
 TEST_CASE("lattice.box refuses to fit what has no one box") {
     const CoordBBox active(Coord(0), Coord(3));
-    CHECK(
-        failure_of([&] {
-            fitted({grid_of(active, voxels_of(0.5)), grid_of(active, voxels_of(0.25))});
-        }) ==
-        "grid 'density' has voxels of 0.5 x 0.5 x 0.5, the first at [0, 0, 0] in frame 7, but voxels of 0.25 x 0.25 x 0.25, the first at [0, 0, 0] in frame 8: "
-        "no lattice fits both; bake the sequence with a fixed domain, or make its voxels alike with grid.resample");
+    CHECK(failure_of([&] {
+              fitted({grid_of(active, voxels_of(0.5)), grid_of(active, voxels_of(0.25))});
+          }) ==
+          "grid 'density' has voxels of 0.5 x 0.5 x 0.5, the first at [0, 0, 0] in frame 7, but "
+          "voxels of 0.25 x 0.25 x 0.25, the first at [0, 0, 0] in frame 8: "
+          "no lattice fits both; bake the sequence with a fixed domain, or make its voxels alike "
+          "with grid.resample");
     CHECK(failure_of([&] { fitted({grid_of(CoordBBox(), voxels_of(0.5))}); }) ==
-          "the grid to fit has no active voxels in any frame; state 'min', 'max' and 'spacing' instead");
-    const auto frustum = openvdb::math::Transform::createFrustumTransform({{0, 0, 0}, {9, 9, 9}}, 0.5, 3.0, 0.1);
+          "the grid to fit has no active voxels in any frame; state 'min', 'max' and 'spacing' "
+          "instead");
+    const auto frustum =
+        openvdb::math::Transform::createFrustumTransform({{0, 0, 0}, {9, 9, 9}}, 0.5, 3.0, 0.1);
     CHECK(failure_of([&] { fitted({grid_of(active, frustum)}); }) ==
-          "grid 'density' has voxels of varying shape (NonlinearFrustumMap) in frame 7; a box fits voxels of one shape, as grid.resample makes them: or state "
+          "grid 'density' has voxels of varying shape (NonlinearFrustumMap) in frame 7; a box fits "
+          "voxels of one shape, as grid.resample makes them: or state "
           "'min', 'max' and 'spacing' instead");
 }
 
-TEST_CASE("lattice.box stands on turned, mirrored, sheared and oblong voxels, along the axes nearest to the world's") {
+TEST_CASE(
+    "lattice.box stands on turned, mirrored, sheared and oblong voxels, along the axes nearest to "
+    "the world's") {
     const CoordBBox active(Coord(-1, 0, 2), Coord(3, 5, 4));
-    const auto check = [&](const openvdb::math::Transform::Ptr& transform, const std::array<int, 3>& shape) {
+    const auto check = [&](const openvdb::math::Transform::Ptr& transform,
+                           const std::array<int, 3>& shape) {
         const auto lattice = fitted({grid_of(active, transform)});
         CHECK(lattice.shape == shape);
         const auto alignment = align(lattice, *transform);
@@ -162,7 +189,8 @@ TEST_CASE("lattice.box stands on turned, mirrored, sheared and oblong voxels, al
         CHECK((*mapping.locate(lattice.position(at)) - at).length() < 1e-9);
         CHECK(!mapping.locate(lattice.position(at - Vec3d(1.5, 0, 0))));
     };
-    const auto turned = voxels_of(0.5), quarter = voxels_of(0.5), mirrored = voxels_of(0.5), oblong = voxels_of(0.5), sheared = voxels_of(0.5);
+    const auto turned = voxels_of(0.5), quarter = voxels_of(0.5), mirrored = voxels_of(0.5),
+               oblong = voxels_of(0.5), sheared = voxels_of(0.5);
     turned->preRotate(0.1, openvdb::math::Y_AXIS);
     check(turned, {5, 6, 3});
     quarter->postRotate(M_PI / 2, openvdb::math::Z_AXIS);
@@ -179,7 +207,8 @@ TEST_CASE("lattice.box goes with a container that moves") {
     const auto at = [](double x) { return voxels_of(0.5, Vec3d(x, 0, 0)); };
     const CoordBBox active(Coord(0, 0, 0), Coord(3, 3, 3));
     // Two voxels further, and a third of a voxel before.
-    const auto lattice = fitted({grid_of(active, at(0)), grid_of(active, at(1)), grid_of(active, at(-0.15))});
+    const auto lattice =
+        fitted({grid_of(active, at(0)), grid_of(active, at(1)), grid_of(active, at(-0.15))});
     CHECK(lattice.shape == std::array{7, 4, 4});
     CHECK(lattice.position(Vec3d(0)) == Vec3d(-0.5, 0, 0));
     CHECK_THAT(failure_of([&] {
@@ -190,22 +219,34 @@ TEST_CASE("lattice.box goes with a container that moves") {
 
 TEST_CASE("lattice.box says what is wrong with its extent before a run") {
     CHECK(faults("{min: [0, 0, 0], max: [1, 1, 1], spacing: 0.3}") ==
-          "max: the extent 1 in x is no whole multiple of the spacing 0.3; the nearest 'max' that fits is 0.9\n"
-          "max: the extent 1 in y is no whole multiple of the spacing 0.3; the nearest 'max' that fits is 0.9\n"
-          "max: the extent 1 in z is no whole multiple of the spacing 0.3; the nearest 'max' that fits is 0.9\n");
-    CHECK(faults("{min: [0, 2, 0], max: [1, 1, 1], spacing: 0.5}") == "max: 'max' is below 'min' in y: 1 < 2\n");
-    CHECK(faults("{min: [0, 0, 0], max: [1, 1, 1], spacing: 0}") == "spacing: 'spacing' must be above 0\n");
-    CHECK(faults("{min: [0, 0, 0], max: [1e6, 1, 1], spacing: 1}") == "max: the extent 1000000 in x is 1000000 times the spacing 1; 65533 is the most\n");
-    CHECK(faults("{min: [0, 0, 0], spacing: 1}") == "max: needs either 'fit', or all of 'min', 'max' and 'spacing'\n");
+          "max: the extent 1 in x is no whole multiple of the spacing 0.3; the nearest 'max' that "
+          "fits is 0.9\n"
+          "max: the extent 1 in y is no whole multiple of the spacing 0.3; the nearest 'max' that "
+          "fits is 0.9\n"
+          "max: the extent 1 in z is no whole multiple of the spacing 0.3; the nearest 'max' that "
+          "fits is 0.9\n");
+    CHECK(faults("{min: [0, 2, 0], max: [1, 1, 1], spacing: 0.5}") ==
+          "max: 'max' is below 'min' in y: 1 < 2\n");
+    CHECK(faults("{min: [0, 0, 0], max: [1, 1, 1], spacing: 0}") ==
+          "spacing: 'spacing' must be above 0\n");
+    CHECK(faults("{min: [0, 0, 0], max: [1e6, 1, 1], spacing: 1}") ==
+          "max: the extent 1000000 in x is 1000000 times the spacing 1; 65533 is the most\n");
+    CHECK(faults("{min: [0, 0, 0], spacing: 1}") ==
+          "max: needs either 'fit', or all of 'min', 'max' and 'spacing'\n");
     CHECK(faults("{}") == "min: needs either 'fit', or all of 'min', 'max' and 'spacing'\n");
     CHECK(NodeBench(lattice_box(), "{spacing: 1}", {{"fit", 1}}).faults() ==
-          "spacing: 'spacing' and 'fit' exclude each other: a fitted box takes its place and spacing from the grid\n");
+          "spacing: 'spacing' and 'fit' exclude each other: a fitted box takes its place and "
+          "spacing from the grid\n");
 }
 
 TEST_CASE("a spacing that was typed with few digits does not move the vertices off the voxels") {
     const double voxel = 1.0 / 3;
     const auto box = [&](const std::string& max) {
-        return *NodeBench(lattice_box(), "{min: [0, 0, 0], max: [" + max + ", 5, 2], spacing: 0.333333}").gathered({}).at("lattice").as<Lattice>();
+        return *NodeBench(lattice_box(),
+                          "{min: [0, 0, 0], max: [" + max + ", 5, 2], spacing: 0.333333}")
+                    .gathered({})
+                    .at("lattice")
+                    .as<Lattice>();
     };
     const auto exact = box("9");
     CHECK(exact.shape == std::array{28, 16, 7});
@@ -222,12 +263,14 @@ TEST_CASE("a fitted box is refused where its entries would not fit 16 bits") {
     far->tree().setValue({100000, 0, 0}, 1);
     CHECK_THROWS_WITH(
         fitted({Payload(std::make_shared<AnyGrid>(AnyGrid{far}))}),
-        "the active voxels of grid 'density' span [0, 0, 0] to [100000, 0, 0]: 100001 x 1 x 1 voxels; 65534 along an axis is the most: crop the grid, or state "
+        "the active voxels of grid 'density' span [0, 0, 0] to [100000, 0, 0]: 100001 x 1 x 1 "
+        "voxels; 65534 along an axis is the most: crop the grid, or state "
         "'min', 'max' and 'spacing' of a part");
 }
 
 TEST_CASE("a fitted box is refused where its extents would not fit 32 bits") {
-    constexpr int lowest = std::numeric_limits<int>::min(), highest = std::numeric_limits<int>::max();
+    constexpr int lowest = std::numeric_limits<int>::min(),
+                  highest = std::numeric_limits<int>::max();
     const auto whole = FloatGrid::create();
     whole->setName("density");
     whole->tree().setValue({lowest, 0, 0}, 1);
@@ -238,7 +281,8 @@ TEST_CASE("a fitted box is refused where its extents would not fit 32 bits") {
     } catch (const Failure& failure) {
         CHECK(failure.kind == Failure::Kind::input);
         CHECK(std::string(failure.what()) ==
-              "the active voxels of grid 'density' span [-2147483648, 0, 0] to [2147483647, 0, 0]: 4294967296 x 1 x 1 voxels; 65534 along an axis is the most: "
+              "the active voxels of grid 'density' span [-2147483648, 0, 0] to [2147483647, 0, 0]: "
+              "4294967296 x 1 x 1 voxels; 65534 along an axis is the most: "
               "crop the grid, or state 'min', 'max' and 'spacing' of a part");
     }
 }

@@ -1,8 +1,8 @@
-#include "nodes/lattice/mapping.h"
-#include "nodes/lattice/block_places.h"
-#include "nodes/lattice/build.h"
-#include "nodes/lattice/overlap.h"
-#include "nodes/rig/circle.h"
+#include "carve/lattice/mapping.h"
+#include "carve/lattice/block_places.h"
+#include "carve/lattice/build.h"
+#include "carve/lattice/overlap.h"
+#include "carve/rig/circle.h"
 #include "tests/support/bent_lattices.h"
 #include "tests/support/node_bench.h"
 
@@ -23,7 +23,8 @@ namespace {
 double end(const Lattice& lattice) { return lattice.shape[2] - (lattice.closed ? 0 : 1); }
 
 Vec3d random_place(std::mt19937& random, const Lattice& lattice) {
-    return {between(random, 0, lattice.shape[0] - 1), between(random, 0, lattice.shape[1] - 1), between(random, 0, end(lattice))};
+    return {between(random, 0, lattice.shape[0] - 1), between(random, 0, lattice.shape[1] - 1),
+            between(random, 0, end(lattice))};
 }
 
 /// The distance of lattice coordinates, around the ring of a closed lattice.
@@ -41,7 +42,8 @@ openvdb::math::Transform::Ptr turned_voxels(double size, const Vec3d& place) {
     return out;
 }
 
-/// Two legs, 12 apart, of 20 planes each and a half circle between them; u points from one leg to the other.
+/// Two legs, 12 apart, of 20 planes each and a half circle between them; u points from one leg to
+/// the other.
 Lattice hairpin() {
     std::vector<Lattice::Plane> planes;
     const auto add = [&](const Vec3d& middle, const Vec3d& w) {
@@ -60,16 +62,19 @@ Lattice hairpin() {
 
 /// Compares the places of a grid's voxels, found block by block, with those found one by one.
 /// @return the number of voxels in the lattice
-int compared_in_blocks(std::mt19937& random, const Lattice& lattice, const openvdb::math::Transform& transform, int blocks) {
+int compared_in_blocks(std::mt19937& random, const Lattice& lattice,
+                       const openvdb::math::Transform& transform, int blocks) {
     const Mapping mapping(lattice, {lattice.shape[0] + 2, lattice.shape[1], lattice.shape[2]});
     BlockPlaces places(mapping, transform);
     int compared = 0;
     for (int m = 0; m < blocks; ++m) {
-        const auto middle = Coord::round(transform.worldToIndex(mapping.position(random_place(random, lattice))));
+        const auto middle =
+            Coord::round(transform.worldToIndex(mapping.position(random_place(random, lattice))));
         const Coord block(middle.x() & ~7, middle.y() & ~7, middle.z() & ~7);
         const auto range = places.move_to(block);
         for (int row = 0; row < 64; ++row)
-            for (const auto& offset : {Vec3d(0), Vec3d(-0.5, 0, 0), Vec3d(0, -0.5, 0), Vec3d(0, 0, -0.5)}) {
+            for (const auto& offset :
+                 {Vec3d(0), Vec3d(-0.5, 0, 0), Vec3d(0, -0.5, 0), Vec3d(0, 0, -0.5)}) {
                 const auto first = block.offsetBy(row >> 3, row & 7, 0);
                 BlockPlaces::Row found;
                 places.locate(first, offset, found);
@@ -82,13 +87,21 @@ int compared_in_blocks(std::mt19937& random, const Lattice& lattice, const openv
                     const auto& place = found.places[static_cast<std::size_t>(z)];
                     REQUIRE(distance(lattice, place.at, *single) < 1e-9);
                     const auto source = place.at + Vec3d(3, -1, 0);
-                    const auto moved = transform.indexToWorld(places.moved(p, place, openvdb::Vec3d(3, -1, 0)));
+                    const auto moved =
+                        transform.indexToWorld(places.moved(p, place, openvdb::Vec3d(3, -1, 0)));
                     // A place at a plane is snapped to it, its direction is not.
-                    const double tolerance = place.at.z() == std::round(place.at.z()) ? Mapping::snap : 1e-9;
-                    REQUIRE((moved - (world + mapping.position(source) - mapping.position(place.at))).length() < tolerance);
+                    const double tolerance =
+                        place.at.z() == std::round(place.at.z()) ? Mapping::snap : 1e-9;
+                    REQUIRE(
+                        (moved - (world + mapping.position(source) - mapping.position(place.at)))
+                            .length() < tolerance);
 
-                    const double w = place.at.z() < range.min().z() - Mapping::snap ? place.at.z() + lattice.shape[2] : place.at.z();
-                    for (const auto& [value, axis] : {std::pair{place.at.x(), 0}, std::pair{place.at.y(), 1}, std::pair{w, 2}}) {
+                    const double w = place.at.z() < range.min().z() - Mapping::snap
+                                         ? place.at.z() + lattice.shape[2]
+                                         : place.at.z();
+                    for (const auto& [value, axis] :
+                         {std::pair{place.at.x(), 0}, std::pair{place.at.y(), 1},
+                          std::pair{w, 2}}) {
                         REQUIRE(value >= range.min()[axis] - Mapping::snap);
                         REQUIRE(value <= range.max()[axis] + Mapping::snap);
                     }
@@ -105,7 +118,8 @@ TEST_CASE("a position between bent planes comes back from its lattice coordinate
     std::mt19937 random(3);
     double worst = 0, worst_place = 0;
     for (int n = 0; n < 100; ++n) {
-        const auto lattice = n == 0 ? helix({9, 7, 90}, 0.3, 4, 2) : random_bent(random, n % 2 == 0);
+        const auto lattice =
+            n == 0 ? helix({9, 7, 90}, 0.3, 4, 2) : random_bent(random, n % 2 == 0);
         const Mapping mapping(lattice);
         REQUIRE(mapping.slabs());
         for (int m = 0; m < 1000; ++m) {
@@ -133,7 +147,9 @@ TEST_CASE("the true inverse beats the paper's closed form") {
         const Mapping mapping(lattice), by_closed_form(papers);
         for (int m = 0; m < 1000; ++m) {
             const auto world = mapping.position(random_place(random, lattice));
-            const auto error = [&](const Vec3d& place) { return (mapping.position(place) - world).length() / lattice.spacing; };
+            const auto error = [&](const Vec3d& place) {
+                return (mapping.position(place) - world).length() / lattice.spacing;
+            };
             const auto theirs = by_closed_form.locate(world);
             if (!theirs) {
                 ++missed;
@@ -147,8 +163,9 @@ TEST_CASE("the true inverse beats the paper's closed form") {
             ++points;
         }
     }
-    WARN("|g(f(p)) - p| in spacings, mean and worst of " << points << ": exact " << exact_sum / points << ", " << exact << "; closed form "
-                                                         << closed_form_sum / points << ", " << closed_form << " (" << missed << " missed)");
+    WARN("|g(f(p)) - p| in spacings, mean and worst of "
+         << points << ": exact " << exact_sum / points << ", " << exact << "; closed form "
+         << closed_form_sum / points << ", " << closed_form << " (" << missed << " missed)");
     CHECK(points > 15000);
     CHECK(exact < 1e-4);
     CHECK(closed_form > 100 * exact);
@@ -164,22 +181,28 @@ TEST_CASE("around a circle, lattice coordinates are polar coordinates") {
     std::mt19937 random(5);
     const auto place_at = [&](double radius, double turn, double height) {
         const double angle = -2 * M_PI * turn / 100;
-        return mapping.locate(centre + Vec3d(radius * std::cos(angle), radius * std::sin(angle), height));
+        return mapping.locate(centre +
+                              Vec3d(radius * std::cos(angle), radius * std::sin(angle), height));
     };
     for (int n = 0; n < 10000; ++n) {
-        const double radius = between(random, inner + 0.01, inner + 3.99), height = between(random, -0.5, 0.5), turn = between(random, 0, 100);
+        const double radius = between(random, inner + 0.01, inner + 3.99),
+                     height = between(random, -0.5, 0.5), turn = between(random, 0, 100);
         const auto on_plane = place_at(radius, std::floor(turn), height);
         REQUIRE(on_plane);
-        CHECK(distance(lattice, *on_plane, Vec3d((radius - inner) / spacing, (height + 0.5) / spacing, std::floor(turn))) < 2 * Mapping::snap);
+        CHECK(distance(lattice, *on_plane,
+                       Vec3d((radius - inner) / spacing, (height + 0.5) / spacing,
+                             std::floor(turn))) < 2 * Mapping::snap);
         const auto found = place_at(radius, turn, height);
         REQUIRE(found);
         const double sagitta = radius * spacing * spacing / (8 * rig * rig);
-        CHECK(std::abs(inner + spacing * found->x() - radius) < 1.01 * sagitta + spacing * Mapping::snap);
+        CHECK(std::abs(inner + spacing * found->x() - radius) <
+              1.01 * sagitta + spacing * Mapping::snap);
     }
     // The ring closes on itself: what is at plane 100 is at plane 0.
     CHECK(mapping.locate(mapping.position(Vec3d(3, 2, 100))) == Vec3d(3, 2, 0));
     CHECK(mapping.locate(mapping.position(Vec3d(3, 2, 99.75)))->z() == Approx(99.75));
-    CHECK((mapping.position(Vec3d(3, 2, -0.25)) - mapping.position(Vec3d(3, 2, 99.75))).length() < 1e-12);
+    CHECK((mapping.position(Vec3d(3, 2, -0.25)) - mapping.position(Vec3d(3, 2, 99.75))).length() <
+          1e-12);
     CHECK(!place_at(inner - 0.01, 3, 0));
     CHECK(place_at(inner - 0.5 * Mapping::slack * spacing, 3, 0)->x() == 0);
 }
@@ -192,14 +215,17 @@ TEST_CASE("a straight lattice of planes maps as a box does") {
         const auto planes = as_planes(lattice);
         REQUIRE(!planes.is_box());
         const Mapping straight(lattice), general(planes);
-        CHECK(general.locate(general.position(Vec3d(8.00009, -0.00009, -0.00009))) == Vec3d(8, 0, 0));
+        CHECK(general.locate(general.position(Vec3d(8.00009, -0.00009, -0.00009))) ==
+              Vec3d(8, 0, 0));
         CHECK(general.locate(general.position(Vec3d(8, 0, 6.00009))) == Vec3d(8, 0, 6));
         CHECK(general.locate(general.position(Vec3d(4, 3, 5.000009))) == Vec3d(4, 3, 5));
-        for (const auto& out : {Vec3d(8.0002, 0, 3), Vec3d(0, -0.0002, 3), Vec3d(0, 0, 6.0002), Vec3d(0, 0, -0.0002)})
+        for (const auto& out :
+             {Vec3d(8.0002, 0, 3), Vec3d(0, -0.0002, 3), Vec3d(0, 0, 6.0002), Vec3d(0, 0, -0.0002)})
             CHECK(!general.locate(general.position(out)));
         int inside = 0;
         for (int n = 0; n < 20000; ++n) {
-            const Vec3d place(between(random, -1, 9), between(random, -1, 8), between(random, -1, 7));
+            const Vec3d place(between(random, -1, 9), between(random, -1, 8),
+                              between(random, -1, 7));
             const auto world = straight.position(place);
             REQUIRE((general.position(place) - world).length() < 1e-9);
             const auto a = straight.locate(world), b = general.locate(world);
@@ -216,20 +242,27 @@ TEST_CASE("a block's voxels are found where they are found one by one") {
     int compared = 0;
     for (int n = 0; n < 12; ++n) {
         const auto lattice = random_bent(random, n % 2 == 0);
-        compared += compared_in_blocks(random, lattice, *turned_voxels(lattice.spacing * between(random, 0.6, 1.5), Vec3d(0.3, 0.1, 0.7)), 40);
+        compared += compared_in_blocks(
+            random, lattice,
+            *turned_voxels(lattice.spacing * between(random, 0.6, 1.5), Vec3d(0.3, 0.1, 0.7)), 40);
     }
     CHECK(compared > 20000);
 }
 
-TEST_CASE("a block's voxels are found where they are found one by one, too, if the rig keeps to a plane of the voxels") {
+TEST_CASE(
+    "a block's voxels are found where they are found one by one, too, if the rig keeps to a plane "
+    "of the voxels") {
     std::mt19937 random(9);
     LatticeSpec spec;
     spec.spacing = 1;
     spec.u = {-5, 6};
     spec.v = {-7, 5};
     for (const auto& axis : {Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)}) {
-        const auto lattice = build_lattice(circle_rig(Vec3d(0.3, 2, -0.7), axis, {12, 12}, 0), spec).lattice;
-        CHECK(compared_in_blocks(random, lattice, *openvdb::math::Transform::createLinearTransform(0.8), 40) > 10000);
+        const auto lattice =
+            build_lattice(circle_rig(Vec3d(0.3, 2, -0.7), axis, {12, 12}, 0), spec).lattice;
+        CHECK(compared_in_blocks(random, lattice,
+                                 *openvdb::math::Transform::createLinearTransform(0.8),
+                                 40) > 10000);
     }
 }
 
@@ -245,12 +278,16 @@ TEST_CASE("the world box of a range holds its points, also across the closing pl
         box.min() -= Vec3d(1e-12);
         box.max() += Vec3d(1e-12);
         for (int m = 0; m < 500; ++m)
-            REQUIRE(box.isInside(mapping.position({between(random, range.min().x(), range.max().x()), between(random, range.min().y(), range.max().y()),
-                                                   between(random, range.min().z(), range.max().z())})));
+            REQUIRE(box.isInside(
+                mapping.position({between(random, range.min().x(), range.max().x()),
+                                  between(random, range.min().y(), range.max().y()),
+                                  between(random, range.min().z(), range.max().z())})));
     }
 }
 
-TEST_CASE("a lattice that runs over itself is entered at its lowest plane, and the voxels in several cells are counted") {
+TEST_CASE(
+    "a lattice that runs over itself is entered at its lowest plane, and the voxels in several "
+    "cells are counted") {
     // A circle of 60 planes that goes on for another 15.
     const auto circle = ring(Vec3d(0.1, 0.2, 0.3), {9, 6, 60}, 1.0, Vec2d(-4, -2));
     auto planes = circle.planes;
@@ -274,7 +311,9 @@ TEST_CASE("a lattice that runs over itself is entered at its lowest plane, and t
     CHECK(counted.voxels == shared);
     CHECK(counted.plane < 15);
     CHECK(count_overlap(once, *transform).voxels == 0);
-    CHECK(count_overlap(Mapping(make_box(Vec3d(0), {4, 4, 4}, 1.0, {0, 1, 2})), *transform).voxels == 0);
+    CHECK(
+        count_overlap(Mapping(make_box(Vec3d(0), {4, 4, 4}, 1.0, {0, 1, 2})), *transform).voxels ==
+        0);
     std::size_t alone = 0;
     tbb::task_arena(1).execute([&] { alone = count_overlap(more, *transform).voxels; });
     CHECK(alone == shared);
@@ -286,7 +325,8 @@ TEST_CASE("cells of the lattice win over those by which insertions extend it") {
     const Mapping plain(lattice), extended(lattice, {15, 5, last});
     const auto on_second_leg = plain.position(Vec3d(3, 2, last - 10.5));
     const auto on_first_leg = plain.position(Vec3d(3, 2, 9.5));
-    for (const auto& world : {on_second_leg, on_first_leg}) CHECK(extended.locate(world) == plain.locate(world));
+    for (const auto& world : {on_second_leg, on_first_leg})
+        CHECK(extended.locate(world) == plain.locate(world));
     // In the middle between the legs both extensions meet: the lowest plane has it.
     CHECK(!plain.locate(Vec3d(-10.5, 6, 0)));
     CHECK(extended.locate(Vec3d(-10.5, 6, 0))->z() == Approx(9.5));
@@ -301,9 +341,12 @@ TEST_CASE("eight cubics at once have the root that one has, or say that they do 
     for (int n = 0; n < 2000; ++n) {
         CubicRow row;
         for (std::size_t z = 0; z < 8; ++z) {
-            // From gentle ones to such that Newton's method from the secant's root is far from done.
-            const double bend = std::pow(10, between(random, -6, -0.2)), root = between(random, 0, 1);
-            const double q3 = bend * between(random, -0.3, 0.3), q2 = bend * between(random, -1, 1), q1 = -1 - 2 * bend;
+            // From gentle ones to such that Newton's method from the secant's root is far from
+            // done.
+            const double bend = std::pow(10, between(random, -6, -0.2)),
+                         root = between(random, 0, 1);
+            const double q3 = bend * between(random, -0.3, 0.3), q2 = bend * between(random, -1, 1),
+                         q1 = -1 - 2 * bend;
             row.set(z, {-((q3 * root + q2) * root + q1) * root, q1, q2, q3});
         }
         row.solve();
@@ -329,9 +372,12 @@ TEST_CASE("eight cubics at once have the root that one has, or say that they do 
 TEST_CASE("too few planes do not bend") {
     auto lattice = make_box(Vec3d(0), {3, 3, 2}, 1.0, {0, 1, 2});
     lattice.closed = true;
-    CHECK(failure_of([&] { Mapping{lattice}; }) == "the lattice (" + lattice.description + ") has 2 planes; a closed one needs at least 3");
+    CHECK(failure_of([&] { Mapping{lattice}; }) ==
+          "the lattice (" + lattice.description + ") has 2 planes; a closed one needs at least 3");
     lattice.closed = false;
     lattice.planes.pop_back();
     lattice.planes[0].u = lattice.planes[0].v;
-    CHECK(failure_of([&] { Mapping{lattice}; }) == "the lattice (" + lattice.description + ") has 1 plane; one that is no straight box needs at least 2");
+    CHECK(failure_of([&] { Mapping{lattice}; }) ==
+          "the lattice (" + lattice.description +
+              ") has 1 plane; one that is no straight box needs at least 2");
 }

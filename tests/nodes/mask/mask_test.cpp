@@ -1,11 +1,12 @@
-#include "graph/text/problem.h"
-#include "nodes/field/missed_range.h"
-#include "nodes/mask/box.h"
-#include "nodes/mask/combine.h"
-#include "nodes/mask/dilate.h"
-#include "nodes/mask/sphere.h"
-#include "nodes/mask/threshold.h"
-#include "nodes/mask/weight.h"
+#include "nodes/mask.h"
+#include "carve/base/failure.h"
+#include "carve/field/missed_range.h"
+#include "carve/mask/box.h"
+#include "carve/mask/combine.h"
+#include "carve/mask/dilate.h"
+#include "carve/mask/sphere.h"
+#include "carve/mask/threshold.h"
+#include "carve/mask/weight.h"
 #include "tests/support/node_bench.h"
 
 #include <catch2/catch.hpp>
@@ -60,24 +61,37 @@ TEST_CASE("a mask keeps its field's transform, and a NaN is in no range") {
 
 TEST_CASE("an empty mask of a threshold says what was wanted and what there was") {
     const auto noted = [](const std::string& yaml, const FloatGrid::Ptr& field) {
-        const auto mask = NodeBench(mask_threshold(), yaml).run({{"field", {Payload(field)}}}).at("mask").as<MaskGrid>();
+        const auto mask = NodeBench(mask_threshold(), yaml)
+                              .run({{"field", {Payload(field)}}})
+                              .at("mask")
+                              .as<MaskGrid>();
         const auto missed = missed_range(*mask);
         return missed ? text_of(*missed) : std::string();
     };
-    CHECK(noted("{above: 7}", ramp()) == "mask.threshold marks values from 7, but the field has 0 to 5 only");
-    CHECK(noted("{below: -1}", ramp()) == "mask.threshold marks values up to -1, but the field has 0 to 5 only");
-    CHECK(noted("{above: 2, below: 3}", FloatGrid::create()) == "mask.threshold marks values from 2 to 3, but the field has no active voxels");
+    CHECK(noted("{above: 7}", ramp()) ==
+          "mask.threshold marks values from 7, but the field has 0 to 5 only");
+    CHECK(noted("{below: -1}", ramp()) ==
+          "mask.threshold marks values up to -1, but the field has 0 to 5 only");
+    CHECK(noted("{above: 2, below: 3}", FloatGrid::create()) ==
+          "mask.threshold marks values from 2 to 3, but the field has no active voxels");
     CHECK(noted("{above: 2}", ramp()).empty());
 
-    const auto foreseen = [](const Region& field) { return NodeBench(mask_threshold(), "{above: 2}").foresee({{"field", field}}).warnings; };
+    const auto foreseen = [](const Region& field) {
+        return NodeBench(mask_threshold(), "{above: 2}").foresee({{"field", field}}).warnings;
+    };
     CHECK(foreseen({}) ==
-          std::vector<std::string>{"by their headers, the files that `field` comes from have no active voxels in any frame: the mask is empty"});
+          std::vector<std::string>{"by their headers, the files that `field` comes from have no "
+                                   "active voxels in any frame: the mask is empty"});
     CHECK(foreseen({{{{0, 0, 0}, {1, 1, 1}}}, {}}).empty());
 }
 
-TEST_CASE("assigned weights decide between regions, the energy within them, and empty space has its weight too") {
-    const auto weighted =
-        weighted_energy(*ramp(), {{voxels_mask({{2, 0, 0}, {30, 7, 7}}), 0.2f}, {voxels_mask({{5, 0, 0}, {5, 0, 0}}), 0.1f}}, 0.8f, WeightMode::assign);
+TEST_CASE(
+    "assigned weights decide between regions, the energy within them, and empty space has its "
+    "weight too") {
+    const auto weighted = weighted_energy(
+        *ramp(),
+        {{voxels_mask({{2, 0, 0}, {30, 7, 7}}), 0.2f}, {voxels_mask({{5, 0, 0}, {5, 0, 0}}), 0.1f}},
+        0.8f, WeightMode::assign);
     const auto at = [&](int x) { return weighted->tree().getValue({x, 0, 0}); };
     CHECK(at(1) == Approx(0.8 * 1.1 / 2));
     CHECK(at(4) == Approx(0.2 * 1.4 / 2));
@@ -90,7 +104,8 @@ TEST_CASE("assigned weights decide between regions, the energy within them, and 
 }
 
 TEST_CASE("multiplied weights scale the energy, and leave empty space at 0") {
-    const auto weighted = weighted_energy(*ramp(), {{voxels_mask({{2, 0, 0}, {30, 7, 7}}), 0.5f}}, 3, WeightMode::multiply);
+    const auto weighted = weighted_energy(*ramp(), {{voxels_mask({{2, 0, 0}, {30, 7, 7}}), 0.5f}},
+                                          3, WeightMode::multiply);
     CHECK(weighted->tree().getValue({4, 0, 0}) == Approx(0.2));
     CHECK(weighted->tree().getValue({1, 0, 0}) == Approx(0.3));
     CHECK(weighted->background() == 0);
@@ -102,15 +117,16 @@ TEST_CASE("a mask of another transform is refused by name") {
     auto mask = MaskGrid::create();
     mask->setName("hot");
     mask->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
-    CHECK_THROWS_WITH(
-        weighted_energy(*energy, {{mask, 1.0f}}, 1, WeightMode::assign),
-        "the energy and mask 1 have different transforms: 'energy' (voxels of 1 x 1 x 1, the first at [0, 0, 0]) and 'hot' (voxels of 0.5 x 0.5 x 0.5, "
-        "the first at [0, 0, 0]); resample one onto the other");
+    CHECK_THROWS_WITH(weighted_energy(*energy, {{mask, 1.0f}}, 1, WeightMode::assign),
+                      "the energy and mask 1 have different transforms: 'energy' (voxels of 1 x 1 "
+                      "x 1, the first at [0, 0, 0]) and 'hot' (voxels of 0.5 x 0.5 x 0.5, "
+                      "the first at [0, 0, 0]); resample one onto the other");
 }
 
 TEST_CASE("mask nodes refuse parameters that make no sense") {
     CHECK(NodeBench(mask_threshold(), "{}").faults() == "type: needs 'above', 'below' or both\n");
-    CHECK(NodeBench(mask_threshold(), "{above: 2, below: 1}").faults() == "above: parameter 'above', 2, is higher than 'below', 1: no value fits\n");
+    CHECK(NodeBench(mask_threshold(), "{above: 2, below: 1}").faults() ==
+          "above: parameter 'above', 2, is higher than 'below', 1: no value fits\n");
     CHECK(NodeBench(mask_threshold(), "{above: auto, below: 1}").faults() == "");
     CHECK(NodeBench(mask_weight(), "{weights: [1, 2]}", {{"masks", 1}}).faults() ==
           "weights: parameter 'weights' has 2 numbers for 1 masks; state one for each\n");
@@ -119,7 +135,9 @@ TEST_CASE("mask nodes refuse parameters that make no sense") {
 TEST_CASE("the weight node hands each mask its weight, in order") {
     NodeBench weight(mask_weight(), "{weights: [0.2, 0.1], outside: 0.8}", {{"masks", 2}});
     const auto out = weight.run({{"energy", {Payload(Ref<FloatGrid>(ramp()))}},
-                                 {"masks", {Payload(voxels_mask({{2, 0, 0}, {30, 7, 7}})), Payload(voxels_mask({{5, 0, 0}, {5, 0, 0}}))}}});
+                                 {"masks",
+                                  {Payload(voxels_mask({{2, 0, 0}, {30, 7, 7}})),
+                                   Payload(voxels_mask({{5, 0, 0}, {5, 0, 0}}))}}});
     CHECK(out.at("energy").as<FloatGrid>()->tree().getValue({5, 0, 0}) == Approx(0.1 * 1.5 / 2));
 }
 
@@ -177,7 +195,9 @@ TEST_CASE("a box mask stands in the world, however the grid is turned, stretched
     for (const auto& transform : {turned(), mirrored}) {
         const openvdb::BBoxd box({-3, -4, -2.5}, {5, 3, 2});
         const auto mask = box_mask(*grid_of(transform), box.min(), box.max());
-        CHECK(wrong(*mask, {{-40, -40, -40}, {40, 40, 40}}, [&](const Coord& at) { return box.isInside(transform->indexToWorld(at)); }) == 0);
+        CHECK(wrong(*mask, {{-40, -40, -40}, {40, 40, 40}}, [&](const Coord& at) {
+                  return box.isInside(transform->indexToWorld(at));
+              }) == 0);
         CHECK(mask->activeVoxelCount() > 1800);
     }
 }
@@ -200,7 +220,9 @@ TEST_CASE("a sphere mask has the volume of its sphere") {
     CHECK(mask->activeVoxelCount() == Approx(4.0 / 3 * M_PI * std::pow(20.5, 3)).epsilon(0.005));
     auto around = mask->evalActiveVoxelBoundingBox();
     around.expand(3);
-    CHECK(wrong(*mask, around, [&](const Coord& at) { return (transform->indexToWorld(at) - center).length() <= radius; }) == 0);
+    CHECK(wrong(*mask, around, [&](const Coord& at) {
+              return (transform->indexToWorld(at) - center).length() <= radius;
+          }) == 0);
     CHECK(mask->transform() == *transform);
     CHECK(mask->getName() == "sphere");
 }
@@ -217,35 +239,48 @@ TEST_CASE("masks by place refuse bent grids and sizes that no mask can hold") {
     CHECK(failure_of([&] {
               box_mask(*like, {-1000, 0, -1000}, {1000, 1000, 1000});
           }) ==
-          "the box reaches from voxel [-100000, 0, -100000] to [100000, 100000, 100000] of grid 'density', which is more than a mask can hold; make it "
+          "the box reaches from voxel [-100000, 0, -100000] to [100000, 100000, 100000] of grid "
+          "'density', which is more than a mask can hold; make it "
           "smaller: it needs to cover only the lattice");
     CHECK(failure_of([&] {
               sphere_mask(*like, {1e9, 0, 0}, 1);
           }) ==
-          "the sphere reaches from voxel [99999999900, -100, -100] to [100000000100, 100, 100] of grid 'density', which is more than a mask can hold; make it "
+          "the sphere reaches from voxel [99999999900, -100, -100] to [100000000100, 100, 100] of "
+          "grid 'density', which is more than a mask can hold; make it "
           "smaller: it needs to cover only the lattice");
     CHECK(failure_of([&] {
-              box_mask(*grid_of(Transform::createFrustumTransform({{0, 0, 0}, {9, 9, 9}}, 0.5, 3.0, 0.1)), {0, 0, 0}, {1, 1, 1});
-          }) == "grid 'density' has voxels of varying shape (NonlinearFrustumMap); a box needs voxels of one shape, as grid.resample makes them");
+              box_mask(*grid_of(Transform::createFrustumTransform({{0, 0, 0}, {9, 9, 9}}, 0.5, 3.0,
+                                                                  0.1)),
+                       {0, 0, 0}, {1, 1, 1});
+          }) ==
+          "grid 'density' has voxels of varying shape (NonlinearFrustumMap); a box needs voxels of "
+          "one shape, as grid.resample makes them");
 }
 
 TEST_CASE("union, intersection and difference of masks, voxel by voxel, with tiles") {
-    const std::vector<Ref<MaskGrid>> masks{rugged(), voxels_mask({{0, 0, 0}, {15, 7, 15}}), voxels_mask({{6, -8, 4}, {300, 300, 300}})};
+    const std::vector<Ref<MaskGrid>> masks{rugged(), voxels_mask({{0, 0, 0}, {15, 7, 15}}),
+                                           voxels_mask({{6, -8, 4}, {300, 300, 300}})};
     const auto in = [&](std::size_t n, const Coord& at) { return masks[n]->tree().isValueOn(at); };
     const CoordBBox space({-16, -12, -12}, {24, 24, 24});
     const auto any = combined_mask(masks, MaskMode::any);
-    CHECK(wrong(*any, space, [&](const Coord& at) { return in(0, at) || in(1, at) || in(2, at); }) == 0);
+    CHECK(wrong(*any, space,
+                [&](const Coord& at) { return in(0, at) || in(1, at) || in(2, at); }) == 0);
     CHECK(any->tree().isValueOn({300, 300, 300}));
     CHECK(any->getName() == "union of masks");
     const auto all = combined_mask(masks, MaskMode::all);
-    CHECK(wrong(*all, space, [&](const Coord& at) { return in(0, at) && in(1, at) && in(2, at); }) == 0);
+    CHECK(wrong(*all, space,
+                [&](const Coord& at) { return in(0, at) && in(1, at) && in(2, at); }) == 0);
     CHECK_FALSE(all->tree().isValueOn({300, 300, 300}));
     const auto first = combined_mask(masks, MaskMode::first);
-    CHECK(wrong(*first, space, [&](const Coord& at) { return in(0, at) && !in(1, at) && !in(2, at); }) == 0);
+    CHECK(wrong(*first, space,
+                [&](const Coord& at) { return in(0, at) && !in(1, at) && !in(2, at); }) == 0);
     const auto rest = combined_mask({masks[2], masks[0]}, MaskMode::first);
-    CHECK(rest->activeVoxelCount() == masks[2]->activeVoxelCount() - combined_mask({masks[0], masks[2]}, MaskMode::all)->activeVoxelCount());
+    CHECK(rest->activeVoxelCount() ==
+          masks[2]->activeVoxelCount() -
+              combined_mask({masks[0], masks[2]}, MaskMode::all)->activeVoxelCount());
     CHECK(rest->tree().activeTileCount() > 0);
-    CHECK(combined_mask({masks[0]}, MaskMode::first)->activeVoxelCount() == masks[0]->activeVoxelCount());
+    CHECK(combined_mask({masks[0]}, MaskMode::first)->activeVoxelCount() ==
+          masks[0]->activeVoxelCount());
     CHECK(masks[0]->activeVoxelCount() == rugged()->activeVoxelCount());
 }
 
@@ -253,12 +288,12 @@ TEST_CASE("masks of different transforms are not combined") {
     auto moved = voxels_mask({{0, 0, 0}, {1, 1, 1}})->deepCopy();
     moved->setName("moved");
     moved->setTransform(Transform::createLinearTransform(0.5));
-    CHECK(
-        failure_of([&] {
-            combined_mask({rugged(), rugged(), moved}, MaskMode::any);
-        }) ==
-        "masks 1 and 3 have different transforms: 'rugged' (voxels of 1 x 1 x 1, the first at [0, 0, 0]) and 'moved' (voxels of 0.5 x 0.5 x 0.5, the first at "
-        "[0, 0, 0]); resample one onto the other");
+    CHECK(failure_of([&] {
+              combined_mask({rugged(), rugged(), moved}, MaskMode::any);
+          }) ==
+          "masks 1 and 3 have different transforms: 'rugged' (voxels of 1 x 1 x 1, the first at "
+          "[0, 0, 0]) and 'moved' (voxels of 0.5 x 0.5 x 0.5, the first at "
+          "[0, 0, 0]); resample one onto the other");
 }
 
 TEST_CASE("a mask dilates and erodes by a cube of voxels, with tiles as without") {
@@ -271,8 +306,10 @@ TEST_CASE("a mask dilates and erodes by a cube of voxels, with tiles as without"
     };
     const CoordBBox space({-17, -12, -12}, {21, 18, 14});
     for (const int reach : {1, 3}) {
-        CHECK(wrong(*dilated_mask(*mask, reach), space, [&](const Coord& at) { return near(at, reach, true); }) == 0);
-        CHECK(wrong(*dilated_mask(*mask, -reach), space, [&](const Coord& at) { return !near(at, reach, false); }) == 0);
+        CHECK(wrong(*dilated_mask(*mask, reach), space,
+                    [&](const Coord& at) { return near(at, reach, true); }) == 0);
+        CHECK(wrong(*dilated_mask(*mask, -reach), space,
+                    [&](const Coord& at) { return !near(at, reach, false); }) == 0);
     }
     CHECK(dilated_mask(*mask, 2)->getName() == "dilation of rugged");
     CHECK(dilated_mask(*mask, -2)->getName() == "erosion of rugged");
@@ -308,7 +345,8 @@ TEST_CASE("dilation and erosion leave the inside of large tiles alone") {
     CHECK(eroded->tree().activeLeafVoxelCount() < eroded->activeVoxelCount() / 3);
 }
 
-TEST_CASE("the mask nodes hand on what their functions give, and refuse parameters that make no sense") {
+TEST_CASE(
+    "the mask nodes hand on what their functions give, and refuse parameters that make no sense") {
     const auto like = std::make_shared<AnyGrid>(AnyGrid{grid_of(turned())});
     const auto made = [&](NodeType type, const std::string& yaml, const NodeBench::Inputs& inputs) {
         return NodeBench(std::move(type), yaml).run(inputs).at("mask").as<MaskGrid>();
@@ -318,13 +356,18 @@ TEST_CASE("the mask nodes hand on what their functions give, and refuse paramete
     CHECK(box->tree().hasSameTopology(box_mask(*like->grid, {0, -1, 0}, {6, 4, 5})->tree()));
     const auto sphere = made(mask_sphere(), "{center: [1, 0, 2], radius: 2.5}", place);
     CHECK(sphere->tree().hasSameTopology(sphere_mask(*like->grid, {1, 0, 2}, 2.5)->tree()));
-    const auto rest = made(mask_combine(), "mode: difference", {{"masks", {Payload(box), Payload(sphere)}}});
+    const auto rest =
+        made(mask_combine(), "mode: difference", {{"masks", {Payload(box), Payload(sphere)}}});
     CHECK(rest->tree().hasSameTopology(combined_mask({box, sphere}, MaskMode::first)->tree()));
     const auto grown = made(mask_dilate(), "voxels: -2", {{"mask", {Payload(box)}}});
     CHECK(grown->tree().hasSameTopology(dilated_mask(*box, -2)->tree()));
 
-    CHECK(NodeBench(mask_box(), "{min: [0, 0, 2], max: [1, 1, 1]}").faults() == "max: 'max' is below 'min' in z: 1 < 2\n");
-    CHECK(NodeBench(mask_sphere(), "{center: [0, 0, 0], radius: -1}").faults() == "radius must be at least 0, not -1\n");
-    CHECK(NodeBench(mask_combine(), "mode: xor").faults() == "mode must be one of union, intersection, difference, not 'xor'\n");
-    CHECK(NodeBench(mask_dilate(), "voxels: 300").faults() == "voxels must be from -256 to 256, not 300\n");
+    CHECK(NodeBench(mask_box(), "{min: [0, 0, 2], max: [1, 1, 1]}").faults() ==
+          "max: 'max' is below 'min' in z: 1 < 2\n");
+    CHECK(NodeBench(mask_sphere(), "{center: [0, 0, 0], radius: -1}").faults() ==
+          "radius must be at least 0, not -1\n");
+    CHECK(NodeBench(mask_combine(), "mode: xor").faults() ==
+          "mode must be one of union, intersection, difference, not 'xor'\n");
+    CHECK(NodeBench(mask_dilate(), "voxels: 300").faults() ==
+          "voxels must be from -256 to 256, not 300\n");
 }

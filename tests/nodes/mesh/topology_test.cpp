@@ -1,10 +1,9 @@
-#include "nodes/mesh/mesh_file.h"
+#include "formats/mesh_file/mesh_file.h"
 
-#include "graph/text/problem.h"
-#include "nodes/mesh/read.h"
-#include "nodes/mesh/topology.h"
-#include "nodes/mesh/triangles.h"
-#include "nodes/mesh/write.h"
+#include "carve/base/failure.h"
+#include "carve/mesh/triangles.h"
+#include "formats/mesh_file/topology.h"
+#include "nodes/mesh.h"
 #include "tests/support/files/mesh_files.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
@@ -42,7 +41,8 @@ TEST_CASE("what is unusual about how faces hang together is counted") {
     CHECK(topology.lone_vertices == 1);
     CHECK(!topology.closed());
     CHECK(faults_of(topology) ==
-          "1 face beyond two at an edge, turned against their neighbours, or touching others at a vertex alone, and 1 face with a vertex twice");
+          "1 face beyond two at an edge, turned against their neighbours, or touching others at a "
+          "vertex alone, and 1 face with a vertex twice");
 }
 
 TEST_CASE("a concave face is cut along its own diagonals") {
@@ -91,18 +91,22 @@ TEST_CASE("a face of very many corners is cut in a moment, where hardly any is a
 }
 
 TEST_CASE("how a face lies is told far away from the origin, too") {
-    // So small and so far that products of its coordinates lose its area. The corner at (2, 1) points inwards.
+    // So small and so far that products of its coordinates lose its area. The corner at (2, 1)
+    // points inwards.
     const std::array<Vec3d, 5> corners{{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 1, 0}, {0, 4, 0}}};
     for (int axis = 0; axis < 3; ++axis)
         for (std::uint32_t first = 0; first < 5; ++first) {
             std::vector<Vec3d> points;
-            for (const auto& at : corners) points.push_back(Vec3d(3.1e7, -2.3e7, 5.7e7) + 0.01 * Vec3d(at[axis], at[(axis + 1) % 3], at[(axis + 2) % 3]));
+            for (const auto& at : corners)
+                points.push_back(Vec3d(3.1e7, -2.3e7, 5.7e7) +
+                                 0.01 * Vec3d(at[axis], at[(axis + 1) % 3], at[(axis + 2) % 3]));
             std::vector<std::uint32_t> face;
             for (std::uint32_t n = 0; n < 5; ++n) face.push_back((first + n) % 5);
             std::vector<std::array<std::uint32_t, 3>> parts;
             triangulate(points, face, parts);
             double sizes = 0;
-            for (const auto& [a, b, c] : parts) sizes += 0.5 * (points[b] - points[a]).cross(points[c] - points[a]).length();
+            for (const auto& [a, b, c] : parts)
+                sizes += 0.5 * (points[b] - points[a]).cross(points[c] - points[a]).length();
             CHECK(sizes == Approx(1e-4 * 10).epsilon(1e-3));
         }
 }

@@ -1,6 +1,6 @@
-#include "nodes/mesh/usda.h"
+#include "formats/mesh_file/usda.h"
 
-#include "nodes/mesh/write.h"
+#include "nodes/mesh.h"
 #include "tests/support/files/usda.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
@@ -22,11 +22,31 @@ Mesh painted() {
     out.add_face(std::vector<std::uint32_t>{1, 4, 2});
     const auto none = Attribute::none;
     out.attributes = {
-        {"uv", Attribute::On::corners, {"s", "t"}, Attribute::Type::float64, {0, 0, 0.25, 1}, {0, 1, 1, 0, 1, none, 0}},
-        {"colour", Attribute::On::vertices, {"red", "green", "blue", "alpha"}, Attribute::Type::uint8, std::vector<double>(20, 255), {}},
-        {"velocity", Attribute::On::vertices, {"x", "y", "z"}, Attribute::Type::float32, std::vector<double>(15, 3), {}},
+        {"uv",
+         Attribute::On::corners,
+         {"s", "t"},
+         Attribute::Type::float64,
+         {0, 0, 0.25, 1},
+         {0, 1, 1, 0, 1, none, 0}},
+        {"colour",
+         Attribute::On::vertices,
+         {"red", "green", "blue", "alpha"},
+         Attribute::Type::uint8,
+         std::vector<double>(20, 255),
+         {}},
+        {"velocity",
+         Attribute::On::vertices,
+         {"x", "y", "z"},
+         Attribute::Type::float32,
+         std::vector<double>(15, 3),
+         {}},
         {"material.id", Attribute::On::faces, {"material.id"}, Attribute::Type::int16, {7, -8}, {}},
-        {"odd", Attribute::On::faces, {"a", "b", "c", "d", "e"}, Attribute::Type::float32, std::vector<double>(10, 1), {}},
+        {"odd",
+         Attribute::On::faces,
+         {"a", "b", "c", "d", "e"},
+         Attribute::Type::float32,
+         std::vector<double>(10, 1),
+         {}},
     };
     return out;
 }
@@ -50,18 +70,23 @@ TEST_CASE("a mesh goes to USD with its faces, UVs, colours, velocities and other
     const auto& of = mesh.properties;
     CHECK(mesh.type == "Mesh");
     CHECK(of.at("uniform token subdivisionScheme").text == "none");
-    CHECK(rows(of.at("point3f[] points")) == std::vector<Texts>{{"0", "0", "0"}, {"1", "0", "0"}, {"1", "1", "0.5"}, {"0", "1", "0"}, {"2", "0", "0"}});
+    CHECK(
+        rows(of.at("point3f[] points")) ==
+        std::vector<Texts>{
+            {"0", "0", "0"}, {"1", "0", "0"}, {"1", "1", "0.5"}, {"0", "1", "0"}, {"2", "0", "0"}});
     CHECK(rows(of.at("float3[] extent")) == std::vector<Texts>{{"0", "0", "0"}, {"2", "1", "0.5"}});
     CHECK(of.at("int[] faceVertexCounts").texts() == Texts{"4", "3"});
     CHECK(of.at("int[] faceVertexIndices").texts() == Texts{"0", "1", "2", "3", "1", "4", "2"});
     const Texts a{"0", "0"}, b{"0.25", "1"};
     CHECK(rows(of.at("texCoord2f[] primvars:st")) == std::vector<Texts>{a, b, b, a, b, a, a});
-    CHECK(mesh.metadata_of_properties.at("texCoord2f[] primvars:st").at("interpolation").text == "faceVarying");
+    CHECK(mesh.metadata_of_properties.at("texCoord2f[] primvars:st").at("interpolation").text ==
+          "faceVarying");
     CHECK(rows(of.at("color3f[] primvars:displayColor")) == std::vector<Texts>(5, {"1", "1", "1"}));
     CHECK(of.at("float[] primvars:displayOpacity").texts() == Texts(5, "1"));
     CHECK(rows(of.at("vector3f[] velocities")) == std::vector<Texts>(5, {"3", "3", "3"}));
     CHECK(of.at("int[] primvars:material_id").texts() == Texts{"7", "-8"});
-    CHECK(mesh.metadata_of_properties.at("int[] primvars:material_id").at("interpolation").text == "uniform");
+    CHECK(mesh.metadata_of_properties.at("int[] primvars:material_id").at("interpolation").text ==
+          "uniform");
 }
 
 TEST_CASE("mesh.write gives the meshes of a sequence the times of their frames") {
@@ -70,10 +95,12 @@ TEST_CASE("mesh.write gives the meshes of a sequence the times of their frames")
     mesh->attributes.clear();
     Context::Host silent;
     const std::vector<int> frames{-3};
-    NodeBench(mesh_write(), "{path: " + scratch / "a.####.usda" + "}").run({{"source", {Payload(mesh)}}}, Context(silent, frames));
+    NodeBench(mesh_write(), "{path: " + scratch / "a.####.usda" + "}")
+        .run({{"source", {Payload(mesh)}}}, Context(silent, frames));
     const auto file = UsdaReader::read(Scratch::read(scratch / "a.-003.usda"));
     CHECK(file.metadata.at("startTimeCode").text == "-3");
-    const auto& samples = file.prim("geometry").properties.at("point3f[] points.timeSamples").samples;
+    const auto& samples =
+        file.prim("geometry").properties.at("point3f[] points.timeSamples").samples;
     REQUIRE(samples.size() == 1);
     CHECK(samples[0].first == -3);
     CHECK(samples[0].second.items.size() == 5);
@@ -83,8 +110,13 @@ TEST_CASE("mesh.write gives the meshes of a sequence the times of their frames")
     origin->placement = {openvdb::Vec3d(5), 2};
     mesh->stored = origin;
     const auto last = [&](const std::string& more) {
-        NodeBench(mesh_write(), "{path: " + scratch / "b.usda" + more + "}").run({{"source", {Payload(mesh)}}}, Context(silent, frames));
-        return UsdaReader::read(Scratch::read(scratch / "b.usda")).prim("geometry").properties.at("point3f[] points").items.at(4).texts();
+        NodeBench(mesh_write(), "{path: " + scratch / "b.usda" + more + "}")
+            .run({{"source", {Payload(mesh)}}}, Context(silent, frames));
+        return UsdaReader::read(Scratch::read(scratch / "b.usda"))
+            .prim("geometry")
+            .properties.at("point3f[] points")
+            .items.at(4)
+            .texts();
     };
     CHECK(last("") == Texts{"2", "0", "0"});
     CHECK(last(", translate: [1, 0, 0], scale: 2") == Texts{"0.5", "0", "0"});

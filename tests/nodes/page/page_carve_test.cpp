@@ -1,7 +1,7 @@
+#include "carve/remap/grid.h"
 #include "nodes/page/page_grid.h"
 #include "nodes/page/page_html.h"
 #include "nodes/page/page_scene.h"
-#include "nodes/remap/grid.h"
 #include "tests/support/bent_lattices.h"
 #include "tests/support/browser.h"
 #include "tests/support/built_lattices.h"
@@ -30,7 +30,10 @@ FloatGrid::Ptr waves(const std::array<int, 3>& size, int frame) {
     for (int x = 0; x < size[0]; ++x)
         for (int y = 0; y < size[1]; ++y)
             for (int z = 0; z < size[2]; ++z)
-                out->tree().setValue({x, y, z}, static_cast<float>(1.5 + std::sin(0.9 * x + frame) * std::cos(0.7 * y) + 0.5 * std::sin(1.3 * z + 0.4 * x)));
+                out->tree().setValue(
+                    {x, y, z},
+                    static_cast<float>(1.5 + std::sin(0.9 * x + frame) * std::cos(0.7 * y) +
+                                       0.5 * std::sin(1.3 * z + 0.4 * x)));
     return out;
 }
 
@@ -79,7 +82,8 @@ Shown shown(const Case& what) {
 void check(const Shown& shown, const nlohmann::json& seen) {
     INFO(shown.what.name);
     const auto first = shown.scene["first"].get<std::array<int, 3>>();
-    const PageGrid page{shown.grid->transformPtr(), Coord(first[0], first[1], first[2]), 1, shown.scene["size"].get<std::array<int, 3>>()};
+    const PageGrid page{shown.grid->transformPtr(), Coord(first[0], first[1], first[2]), 1,
+                        shown.scene["size"].get<std::array<int, 3>>()};
     REQUIRE(shown.scene["step"] == 1);
     const auto range = shown.scene["range"].get<std::array<float, 2>>();
     const auto before = page_bytes(page_values(*shown.grid, page), range[0], range[1]);
@@ -90,7 +94,10 @@ void check(const Shown& shown, const nlohmann::json& seen) {
         if (!carved_by.contains(count)) {
             CarveMap map(shown.what.lattice, shown.sets, shown.frame, count, shown.what.softness);
             if (shown.what.fade > 0) map.fade(shown.what.fade);
-            carved_by[count] = page_bytes(page_values(*carve_grid(shown.grid, shown.what.lattice, map, Interpolation::linear), page), range[0], range[1]);
+            carved_by[count] = page_bytes(
+                page_values(*carve_grid(shown.grid, shown.what.lattice, map, Interpolation::linear),
+                            page),
+                range[0], range[1]);
         }
         const auto& carved = carved_by[count];
         const auto axis = each["axis"].get<int>();
@@ -104,12 +111,14 @@ void check(const Shown& shown, const nlohmann::json& seen) {
             for (int right = 0; right < page.size[static_cast<std::size_t>(r)]; ++right, ++n) {
                 at[static_cast<std::size_t>(r)] = right;
                 at[static_cast<std::size_t>(t)] = up;
-                const auto voxel = static_cast<std::size_t>(at[0] + page.size[0] * (at[1] + page.size[1] * at[2]));
+                const auto voxel =
+                    static_cast<std::size_t>(at[0] + page.size[0] * (at[1] + page.size[1] * at[2]));
                 changed += carved[voxel] != before[voxel] ? 1 : 0;
                 const int off = std::abs(slice.at(n) - static_cast<int>(carved[voxel]));
                 if (off > worst) worst = off, worst_at = at;
             }
-        INFO("count " << each["count"] << ", axis " << axis << ", voxel " << worst_at[0] << " " << worst_at[1] << " " << worst_at[2]);
+        INFO("count " << each["count"] << ", axis " << axis << ", voxel " << worst_at[0] << " "
+                      << worst_at[1] << " " << worst_at[2]);
         CHECK(worst <= 1);
     }
     CHECK(changed > 400);
@@ -126,7 +135,9 @@ void check(const std::vector<Case>& cases) {
         scenes.push_back(all.back().scene);
         counts.push_back(each.counts);
     }
-    const auto seen = ask_browser(scratch, page_html("density", scenes), "const counts = " + nlohmann::json(counts).dump() + R"js(, out = [];
+    const auto seen =
+        ask_browser(scratch, page_html("density", scenes),
+                    "const counts = " + nlohmann::json(counts).dump() + R"js(, out = [];
         await showFrame();
         byId('wipe').value = 0;
         byId('together').checked = false;
@@ -153,7 +164,7 @@ void check(const std::vector<Case>& cases) {
             });
         }
         return out;)js",
-                                  "--disable-3d-apis --window-size=1600,1600");
+                    "--disable-3d-apis --window-size=1600,1600");
     REQUIRE(seen.size() == all.size());
     for (std::size_t n = 0; n < all.size(); ++n) check(all[n], seen[n]);
 }
@@ -175,52 +186,79 @@ TEST_CASE("the page carves a box as remap.grids does", "[browser]") {
     for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert})
         for (const double soft : {0.0, 3.0}) {
             const auto name = to_text(kind) + (soft > 0 ? " softly" : "");
-            cases.push_back({name, size, box, {wavy_seams(box, Axis::u, kind, 9, 6, 2)}, {soft, 0}});
+            cases.push_back(
+                {name, size, box, {wavy_seams(box, Axis::u, kind, 9, 6, 2)}, {soft, 0}});
         }
     auto anchored = wavy_seams(box, Axis::v, Seams::Kind::insert, 6, 6, 1);
     anchored.anchor.at = Anchor::At::middle;
     cases.push_back({"anchored", size, box, {anchored}, {1.5, 0}});
     anchored.anchor = {Anchor::At::vertex, 12};
     cases.push_back({"anchored at a vertex", size, box, {anchored}});
-    cases.push_back({"faded", size, box, {wavy_seams(box, Axis::u, Seams::Kind::remove, 9, 6, 2)}, {2, 0}, 4});
+    cases.push_back(
+        {"faded", size, box, {wavy_seams(box, Axis::u, Seams::Kind::remove, 9, 6, 2)}, {2, 0}, 4});
     std::mt19937 random(7);
     for (const double soft : {0.0, 2.0}) {
-        cases.push_back({"pairs", size, box, {random_pairs(random, box, box.shape, Axis::u, Seams::Kind::remove, 6, {1})}, {soft, 0}});
-        cases.push_back({"frames", size, box, {random_seams(random, box, box.shape, Axis::u, Seams::Kind::remove, 6, {1, 2, 3})}, {soft, 1}});
+        cases.push_back(
+            {"pairs",
+             size,
+             box,
+             {random_pairs(random, box, box.shape, Axis::u, Seams::Kind::remove, 6, {1})},
+             {soft, 0}});
+        cases.push_back(
+            {"frames",
+             size,
+             box,
+             {random_seams(random, box, box.shape, Axis::u, Seams::Kind::remove, 6, {1, 2, 3})},
+             {soft, 1}});
     }
     const auto first = wavy_seams(box, Axis::v, Seams::Kind::insert, 6, 3, 1);
     auto second = wavy_seams(box, Axis::u, Seams::Kind::remove, 9, 6, 2);
     second = random_seams(random, box, first.shape_after(3), Axis::u, Seams::Kind::remove, 6, {1});
-    for (const double soft : {0.0, 2.0}) cases.push_back({"a chain", size, box, {first, second}, {soft, 0}});
+    for (const double soft : {0.0, 2.0})
+        cases.push_back({"a chain", size, box, {first, second}, {soft, 0}});
     check(cases);
 }
 
-TEST_CASE("the page carves lattices that turn, and boxes between the voxels, as remap.grids does", "[browser]") {
+TEST_CASE("the page carves lattices that turn, and boxes between the voxels, as remap.grids does",
+          "[browser]") {
     if (!browser_is_there()) return;
     std::vector<Case> cases;
-    const auto round = ring_lattice(), oblique = turned(make_box({0.33, 0.11, 0.05}, {20, 16, 18}, 0.09, {0, 1, 2}), 0.2);
+    const auto round = ring_lattice(),
+               oblique = turned(make_box({0.33, 0.11, 0.05}, {20, 16, 18}, 0.09, {0, 1, 2}), 0.2);
     for (const auto& lattice : {round, oblique})
         for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert})
             for (const double soft : {0.0, 3.0}) {
                 const auto axis = lattice.closed ? Axis::v : Axis::u;
-                cases.push_back({lattice.description + " " + to_text(kind) + (soft > 0 ? " softly" : ""),
-                                 size,
-                                 lattice,
-                                 {wavy_seams(lattice, axis, kind, 4, 6, 1)},
-                                 {soft, 0}});
+                cases.push_back(
+                    {lattice.description + " " + to_text(kind) + (soft > 0 ? " softly" : ""),
+                     size,
+                     lattice,
+                     {wavy_seams(lattice, axis, kind, 4, 6, 1)},
+                     {soft, 0}});
             }
-    cases.push_back({"outwards", size, round, {wavy_seams(round, Axis::u, Seams::Kind::remove, 2, 3, 1)}, {3, 0}, 0, {1, 2, 3}});
+    cases.push_back({"outwards",
+                     size,
+                     round,
+                     {wavy_seams(round, Axis::u, Seams::Kind::remove, 2, 3, 1)},
+                     {3, 0},
+                     0,
+                     {1, 2, 3}});
     auto bent = helix({10, 8, 30}, 0.08, 1.2, 0.3);
     for (auto& plane : bent.planes) plane.origin += openvdb::Vec3d(0.1, 0.5, 0.8);  // into the grid
     bent.hash = lattice_hash(bent);
-    cases.push_back({"helix", size, bent, {wavy_seams(bent, Axis::u, Seams::Kind::remove, 2, 6, 1)}, {2, 0}});
+    cases.push_back(
+        {"helix", size, bent, {wavy_seams(bent, Axis::u, Seams::Kind::remove, 2, 6, 1)}, {2, 0}});
     for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert})
         for (const double soft : {0.0, 2.0}) {
             auto along = wavy_seams(bent, Axis::w, kind, 12, 6, 1);
             cases.push_back({"along the helix", size, bent, {along}, {soft, 0}});
             along.anchor.at = Anchor::At::middle;
             cases.push_back({"from both ends of the helix", size, bent, {along}, {soft, 0}});
-            cases.push_back({"along a box", size, box_lattice(), {wavy_seams(box_lattice(), Axis::w, kind, 9, 6, 1)}, {soft, 0}});
+            cases.push_back({"along a box",
+                             size,
+                             box_lattice(),
+                             {wavy_seams(box_lattice(), Axis::w, kind, 9, 6, 1)},
+                             {soft, 0}});
         }
     check(cases);
 }
@@ -228,20 +266,30 @@ TEST_CASE("the page carves lattices that turn, and boxes between the voxels, as 
 TEST_CASE("the page carves lattices around a rig as remap.grids does", "[browser]") {
     if (!browser_is_there()) return;
     std::vector<Case> cases;
-    const auto tube = around(through({{0.5, 0.8, 0.3}, {1.1, 1.0, 0.9}, {2.0, 0.85, 1.5}}), 0.75, 0.1);
+    const auto tube =
+        around(through({{0.5, 0.8, 0.3}, {1.1, 1.0, 0.9}, {2.0, 0.85, 1.5}}), 0.75, 0.1);
     std::vector<Vec3d> circle;
-    for (int n = 0; n < 200; ++n) circle.push_back({1.25 + 0.75 * std::cos(M_PI * n / 100), 0.9 + 0.6 * std::sin(M_PI * n / 100), 0.95});
+    for (int n = 0; n < 200; ++n)
+        circle.push_back(
+            {1.25 + 0.75 * std::cos(M_PI * n / 100), 0.9 + 0.6 * std::sin(M_PI * n / 100), 0.95});
     const auto loop = around(through(circle, true), 0.45, 0.1);
     for (const auto& lattice : {tube, loop})
         for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert})
             for (const double soft : {0.0, 2.0})
-                cases.push_back({lattice.description + " " + to_text(kind) + (soft > 0 ? " softly" : ""),
-                                 size,
-                                 lattice,
-                                 {wavy_seams(lattice, Axis::u, kind, 2, 2, 0.5)},
-                                 {soft, 0},
-                                 0,
-                                 {1, 2}});
-    cases.push_back({"faded", size, tube, {wavy_seams(tube, Axis::u, Seams::Kind::remove, 2, 3, 1)}, {1, 0}, 3, {1, 2, 3}});
+                cases.push_back(
+                    {lattice.description + " " + to_text(kind) + (soft > 0 ? " softly" : ""),
+                     size,
+                     lattice,
+                     {wavy_seams(lattice, Axis::u, kind, 2, 2, 0.5)},
+                     {soft, 0},
+                     0,
+                     {1, 2}});
+    cases.push_back({"faded",
+                     size,
+                     tube,
+                     {wavy_seams(tube, Axis::u, Seams::Kind::remove, 2, 3, 1)},
+                     {1, 0},
+                     3,
+                     {1, 2, 3}});
     check(cases);
 }

@@ -1,5 +1,5 @@
-#include "nodes/field/extent.h"
-#include "nodes/lattice/folds.h"
+#include "carve/field/extent.h"
+#include "carve/lattice/folds.h"
 #include "nodes/page/page_grid.h"
 #include "nodes/page/page_html.h"
 #include "nodes/page/page_node.h"
@@ -23,14 +23,17 @@ using openvdb::Vec3d;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
 
 /// A lattice around a circle that reaches past its centre.
 Lattice folded() { return ring({8, 8, 4}, {16, 6, 24}, 1, {-10, 0}); }
 
 }  // namespace
 
-TEST_CASE("page voxels are means of cubes, and grids of other transforms are read at their centres") {
+TEST_CASE(
+    "page voxels are means of cubes, and grids of other transforms are read at their centres") {
     FloatGrid fine, coarse;
     coarse.setTransform(openvdb::math::Transform::createLinearTransform(2));
     for (int n = 0; n < 8; ++n) fine.tree().setValue(Coord(n, 0, 0), static_cast<float>(n));
@@ -44,28 +47,34 @@ TEST_CASE("page voxels are means of cubes, and grids of other transforms are rea
     // Centres stand at 0.5, 2.5, ... along x and 0.5 along y and z.
     CHECK(page_values(coarse, page)[1] == Approx(8 * 0.75 * 0.75 * 0.75));
     CHECK(page.place(page.world({2, 0, 0})) == Vec3d(2, 0, 0));
-    CHECK(page_bytes(std::vector<float>{-1, 0, 1, 2, 5}, 0, 2) == std::vector<std::uint8_t>{0, 0, 128, 255, 255});
+    CHECK(page_bytes(std::vector<float>{-1, 0, 1, 2, 5}, 0, 2) ==
+          std::vector<std::uint8_t>{0, 0, 128, 255, 255});
     CHECK(page_bytes(std::vector<float>{0, 2}, 2, 0) == std::vector<std::uint8_t>{255, 0});
     MaskGrid mask;
     mask.tree().setValueOn(Coord(3, 1, 1));
-    CHECK(page_mask(mask, page_grid(fine.transformPtr(), {Coord(0), Coord(7, 1, 1)}, 8))[3 + 8 * 3] == 255);
+    CHECK(page_mask(mask, page_grid(fine.transformPtr(), {Coord(0), Coord(7, 1, 1)},
+                                    8))[3 + 8 * 3] == 255);
 }
 
 TEST_CASE("page voxels are means of leaves and tiles alike, however far apart these lie") {
     const auto grid = FloatGrid::create(0.5f);
     grid->tree().addTile(1, {8, 0, 0}, 2, true);
     grid->tree().addTile(2, {-128, 0, 0}, 3, false);
-    for (int n = 0; n < 200; ++n) grid->tree().setValue(Coord(n % 13 - 4, n % 7, n % 5), static_cast<float>(n));
+    for (int n = 0; n < 200; ++n)
+        grid->tree().setValue(Coord(n % 13 - 4, n % 7, n % 5), static_cast<float>(n));
     for (const int voxels : {40, 17, 3}) {
-        const auto page = page_grid(grid->transformPtr(), {Coord(-9, -1, -2), Coord(20, 9, 11)}, voxels);
+        const auto page =
+            page_grid(grid->transformPtr(), {Coord(-9, -1, -2), Coord(20, 9, 11)}, voxels);
         const auto means = page_values(*grid, page);
         std::size_t n = 0;
         for (int z = 0; z < page.size[2]; ++z)
             for (int y = 0; y < page.size[1]; ++y)
                 for (int x = 0; x < page.size[0]; ++x) {
-                    const auto low = page.first + Coord(x * page.step, y * page.step, z * page.step);
+                    const auto low =
+                        page.first + Coord(x * page.step, y * page.step, z * page.step);
                     double sum = 0;
-                    for (const auto& at : openvdb::CoordBBox(low, low.offsetBy(page.step - 1))) sum += grid->tree().getValue(at);
+                    for (const auto& at : openvdb::CoordBBox(low, low.offsetBy(page.step - 1)))
+                        sum += grid->tree().getValue(at);
                     CHECK(means[n++] == Approx(sum / std::pow(page.step, 3)));
                 }
     }
@@ -76,7 +85,8 @@ TEST_CASE("page voxels are means of leaves and tiles alike, however far apart th
 
 TEST_CASE("a page loads nothing else, and no text of a pipeline ends its data") {
     const auto page = page_of(frame_of(12, 6));
-    for (const auto* const outside : {"http:", "https:", "src=", "<link", "@import", "{{"}) CHECK_FALSE(contains(page, outside));
+    for (const auto* const outside : {"http:", "https:", "src=", "<link", "@import", "{{"})
+        CHECK_FALSE(contains(page, outside));
     CHECK(contains(page, "default-src 'none'"));
     CHECK(contains(page, "shot.yaml &lt;/script&gt;"));
     CHECK(contains(page, "shot.yaml \\u003c/script>"));
@@ -84,32 +94,41 @@ TEST_CASE("a page loads nothing else, and no text of a pipeline ends its data") 
 }
 
 TEST_CASE("the page node says what is wrong with its parameters") {
-    const auto faults = [](const std::string& yaml, const std::map<std::string, std::size_t>& connected) {
+    const auto faults = [](const std::string& yaml,
+                           const std::map<std::string, std::size_t>& connected) {
         return NodeBench(preview_page(), yaml, connected).faults();
     };
     CHECK(faults("path: a.html", {{"before", 1}, {"seams", 1}, {"lattice", 1}}).empty());
     CHECK_THAT(faults("path: a.png", {{"before", 1}}), Catch::Contains("must end in .html"));
-    CHECK_THAT(faults("path: a.html", {{"before", 1}, {"seams", 1}}), Catch::Contains("connect 'lattice'"));
+    CHECK_THAT(faults("path: a.html", {{"before", 1}, {"seams", 1}}),
+               Catch::Contains("connect 'lattice'"));
     CHECK_THAT(faults("{path: a.html, rim_fade: 4}", {{"before", 1}}), Catch::Contains("fade"));
 }
 
 TEST_CASE("the page node shows the first grid that can be shown, and writes its file") {
     const Scratch scratch;
     const auto frame = frame_of(12, 6);
-    NodeBench bench(preview_page(), "{path: " + (scratch / "new/page.html") + ", count: -4}", {{"before", 1}, {"seams", 1}, {"lattice", 1}});
+    NodeBench bench(preview_page(), "{path: " + (scratch / "new/page.html") + ", count: -4}",
+                    {{"before", 1}, {"seams", 1}, {"lattice", 1}});
     const auto ids = openvdb::Int32Grid::create();
     ids->setName("ids");
     const Volume volume{{ids, frame.before}, {}, {}};
-    bench.add({{"before", {Payload(std::make_shared<const Volume>(volume))}}, {"lattice", {Payload(frame.lattice)}}, {"seams", {Payload(frame.seams[0])}}});
+    bench.add({{"before", {Payload(std::make_shared<const Volume>(volume))}},
+               {"lattice", {Payload(frame.lattice)}},
+               {"seams", {Payload(frame.seams[0])}}});
     bench.finish();
     const auto page = Scratch::read(scratch / "new/page.html");
     CHECK(contains(page, "\"grid\":\"density\""));
     CHECK(contains(page, "\"count\":4"));
 
     NodeBench empty(preview_page(), "path: " + (scratch / "page.html"), {{"before", 1}});
-    CHECK_THROWS_WITH(empty.add({{"before", {Payload(std::make_shared<const Volume>(Volume{{ids}, {}, {}}))}}}), Catch::Contains("it has: ids"));
-    NodeBench other(preview_page(), "{grid: smoke, path: " + (scratch / "page.html") + "}", {{"before", 1}});
-    CHECK_THROWS_WITH(other.add({{"before", {Payload(std::make_shared<const Volume>(volume))}}}), Catch::Contains("no grid 'smoke'"));
+    CHECK_THROWS_WITH(
+        empty.add({{"before", {Payload(std::make_shared<const Volume>(Volume{{ids}, {}, {}}))}}}),
+        Catch::Contains("it has: ids"));
+    NodeBench other(preview_page(), "{grid: smoke, path: " + (scratch / "page.html") + "}",
+                    {{"before", 1}});
+    CHECK_THROWS_WITH(other.add({{"before", {Payload(std::make_shared<const Volume>(volume))}}}),
+                      Catch::Contains("no grid 'smoke'"));
 }
 
 TEST_CASE("the page needs no mouse, asks for no file, and says what to type", "[browser]") {
@@ -140,7 +159,8 @@ TEST_CASE("the page needs no mouse, asks for no file, and says what to type", "[
     CHECK(seen["unnamed"].empty());
     CHECK(seen["unreached"].empty());
     CHECK(seen["loaded"] == 0);
-    CHECK(seen["text"] == nlohmann::json{"--set seams.count=-5", "--set seams.count=-6", "--set seams.count=-4"});
+    CHECK(seen["text"] ==
+          nlohmann::json{"--set seams.count=-5", "--set seams.count=-6", "--set seams.count=-4"});
     CHECK(seen["spoken"] == "-5 seams");
     CHECK(seen["knee"] == 4);
     CHECK(seen["turned"] == nlohmann::json{true, true});
@@ -148,7 +168,10 @@ TEST_CASE("the page needs no mouse, asks for no file, and says what to type", "[
     CHECK(seen["views"] == 4);
 }
 
-TEST_CASE("a volume is drawn, lit by WebGL2, and again after its context is lost, and without WebGL2 there are slices", "[browser]") {
+TEST_CASE(
+    "a volume is drawn, lit by WebGL2, and again after its context is lost, and without WebGL2 "
+    "there are slices",
+    "[browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;
     const auto page = page_of(frame_of(16, 6));
@@ -187,7 +210,8 @@ TEST_CASE("a volume is drawn, lit by WebGL2, and again after its context is lost
     CHECK(contains(flat["notes"], "no WebGL2"));
 }
 
-TEST_CASE("before there are seams, the page shows the lattice and tells of cells that fold", "[browser]") {
+TEST_CASE("before there are seams, the page shows the lattice and tells of cells that fold",
+          "[browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;
     PageFrame frame = frame_of(16, 0);
@@ -227,10 +251,13 @@ TEST_CASE("a page that is too large shows fewer frames, with what these need") {
     CHECK(kept["frames"][1]["number"] == 2);
     CHECK(kept["seams"][kept["frames"][1]["seams"][0].get<std::size_t>()] == "seams of 2");
     CHECK(kept["seams"].size() == 3);
-    CHECK_THROWS_WITH(require_page_size(std::string(21 << 20, ' '), "show less"), "the page would have 21.0 MB, more than 20.0 MB; show less");
+    CHECK_THROWS_WITH(require_page_size(std::string(21 << 20, ' '), "show less"),
+                      "the page would have 21.0 MB, more than 20.0 MB; show less");
 }
 
-TEST_CASE("what lies outside the lattice, and seams at an edge of the window, are told at their places", "[browser]") {
+TEST_CASE(
+    "what lies outside the lattice, and seams at an edge of the window, are told at their places",
+    "[browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;
     PageFrame outside = frame_of(16, 0);
@@ -243,7 +270,9 @@ TEST_CASE("what lies outside the lattice, and seams at an edge of the window, ar
         showKind();
         draw();
         const {canvas} = views[0].picture, notes = byId('notes').textContent;)js";
-    const auto half = ask_browser(scratch, page_of(outside), labels + "return {said, notes, above: said[0][2] < canvas.height / 2};");
+    const auto half =
+        ask_browser(scratch, page_of(outside),
+                    labels + "return {said, notes, above: said[0][2] < canvas.height / 2};");
     REQUIRE(half["said"].size() == 1);
     CHECK(half["said"][0][0] == "50 % outside the lattice");
     CHECK(half["above"] == true);
@@ -254,9 +283,10 @@ TEST_CASE("what lies outside the lattice, and seams at an edge of the window, ar
     auto set = wavy_seams(box, Axis::u, Seams::Kind::remove, 4, 2, 0);
     set.window = Window{4, 12};
     held.seams = {std::make_shared<Seams>(set)};
-    const auto edge =
-        ask_browser(scratch, page_of(held),
-                    "document.querySelector('input[value=window]').checked = true; byId('count').value = 2; takeCount();" + labels + "return {said, notes};");
+    const auto edge = ask_browser(scratch, page_of(held),
+                                  "document.querySelector('input[value=window]').checked = true; "
+                                  "byId('count').value = 2; takeCount();" +
+                                      labels + "return {said, notes};");
     REQUIRE(edge["said"].size() == 1);
     CHECK(edge["said"][0][0] == "2 seams at the window's edge");
     CHECK(contains(edge["notes"], "2 seams at the window's edge"));

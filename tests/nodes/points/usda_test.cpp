@@ -1,6 +1,6 @@
-#include "nodes/points/usda.h"
+#include "formats/points_file/usda.h"
 
-#include "nodes/points/write.h"
+#include "nodes/points.h"
 #include "tests/support/files/point_files.h"
 #include "tests/support/files/usda.h"
 #include "tests/support/node_bench.h"
@@ -14,7 +14,9 @@ using Texts = std::vector<std::string>;
 
 namespace {
 
-UsdaPrim prim_of(const std::string& path) { return UsdaReader::read(Scratch::read(path)).prim("geometry"); }
+UsdaPrim prim_of(const std::string& path) {
+    return UsdaReader::read(Scratch::read(path)).prim("geometry");
+}
 
 }  // namespace
 
@@ -44,8 +46,10 @@ TEST_CASE("points go to USD with velocities and primvars") {
     CHECK(less.attributes == Texts{"key"});
     CHECK(!less.width);
     const auto widths = prim_of(scratch / "b.usda");
-    CHECK(widths.metadata_of_properties.at("float[] widths").at("interpolation").text == "constant");
-    CHECK(widths.properties.at("float[] widths").texts() == Texts{fmt::format("{}", static_cast<float>(in_vdb.grid->voxelSize().x() / 2))});
+    CHECK(widths.metadata_of_properties.at("float[] widths").at("interpolation").text ==
+          "constant");
+    CHECK(widths.properties.at("float[] widths").texts() ==
+          Texts{fmt::format("{}", static_cast<float>(in_vdb.grid->voxelSize().x() / 2))});
     CHECK(widths.properties.at("vector3f[] velocities").items.size() == 3);
 }
 
@@ -53,22 +57,28 @@ TEST_CASE("points are as wide as their radius says, or as the node is told") {
     const Scratch scratch;
     const auto points = std::make_shared<Points>(
         read(scratch.write("in.ply",
-                           "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nproperty float radius\n"
-                           "property int id\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
+                           "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty "
+                           "float y\nproperty float z\nproperty float radius\n"
+                           "property int id\nproperty uchar red\nproperty uchar green\nproperty "
+                           "uchar blue\nend_header\n"
                            "0 0 0 0.5 7 255 0 51\n1 2 3 0.25 8 0 0 0\n")));
     Told told;
     const std::vector<int> frames{12};
     const auto write = [&](const std::string& name, const std::string& more) {
-        NodeBench(points_write(), "{path: " + scratch / name + more + "}").run({{"source", {Payload(points)}}}, Context(told, frames));
+        NodeBench(points_write(), "{path: " + scratch / name + more + "}")
+            .run({{"source", {Payload(points)}}}, Context(told, frames));
     };
     write("a.##.usda", "");
     const auto moving = prim_of(scratch / "a.12.usda");
-    const auto sample = [&](const std::string& name) { return moving.properties.at(name + ".timeSamples").samples.at(0); };
+    const auto sample = [&](const std::string& name) {
+        return moving.properties.at(name + ".timeSamples").samples.at(0);
+    };
     CHECK(sample("float[] widths").first == 12);
     CHECK(sample("float[] widths").second.texts() == Texts{"1", "0.5"});
     CHECK(moving.metadata_of_properties.at("float[] widths").at("interpolation").text == "vertex");
     CHECK(sample("int64[] ids").second.texts() == Texts{"7", "8"});
-    CHECK(sample("color3f[] primvars:displayColor").second.items.at(0).texts() == Texts{"1", "0", "0.2"});
+    CHECK(sample("color3f[] primvars:displayColor").second.items.at(0).texts() ==
+          Texts{"1", "0", "0.2"});
 
     write("b.usda", ", width: 0.125, translate: [1, 0, 0], scale: 2");
     const auto still = prim_of(scratch / "b.usda");
@@ -81,10 +91,15 @@ TEST_CASE("points are as wide as their radius says, or as the node is told") {
 TEST_CASE("no two attributes of points take one name") {
     const Scratch scratch;
     const std::string floats =
-        "property float v_x\nproperty float v_y\nproperty float v_z\nproperty float velocity_x\nproperty float velocity_y\n"
-        "property float velocity_z\nproperty float pscale\nproperty float radius\nproperty float a.b\nproperty float a_b\n";
-    const auto points = read(scratch.write("in.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n" +
-                                                         floats + "end_header\n0 0 0 1 2 3 4 5 6 7 8 9 10\n"));
+        "property float v_x\nproperty float v_y\nproperty float v_z\nproperty float "
+        "velocity_x\nproperty float velocity_y\n"
+        "property float velocity_z\nproperty float pscale\nproperty float radius\nproperty float "
+        "a.b\nproperty float a_b\n";
+    const auto points =
+        read(scratch.write("in.ply",
+                           "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty "
+                           "float y\nproperty float z\n" +
+                               floats + "end_header\n0 0 0 1 2 3 4 5 6 7 8 9 10\n"));
     CHECK(write_points_usda(scratch / "a.usda", points, {}).attributes.empty());
     const auto of = prim_of(scratch / "a.usda").properties;
     CHECK(of.at("vector3f[] velocities").items.at(0).texts() == Texts{"1", "2", "3"});
@@ -98,13 +113,19 @@ TEST_CASE("no two attributes of points take one name") {
 TEST_CASE("points without any width are warned of, and what is not for USD is refused") {
     const Scratch scratch;
     const auto points = std::make_shared<Points>(
-        read(scratch.write("in.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n")));
+        read(scratch.write("in.ply",
+                           "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty "
+                           "float y\nproperty float z\nend_header\n0 0 0\n")));
     Told told;
     const std::vector<int> frames{1};
-    NodeBench(points_write(), "{path: " + scratch / "a.usda" + "}").run({{"source", {Payload(points)}}}, Context(told, frames));
-    CHECK(told.warnings == Texts{"the .usda file does not tell how wide the points are, and they have no voxels: say 'width'"});
+    NodeBench(points_write(), "{path: " + scratch / "a.usda" + "}")
+        .run({{"source", {Payload(points)}}}, Context(told, frames));
+    CHECK(told.warnings == Texts{"the .usda file does not tell how wide the points are, and they "
+                                 "have no voxels: say 'width'"});
     CHECK(NodeBench(points_write(), "{path: a.usda}", {{"beside", 1}}).faults() ==
           "beside: a .usda file holds points alone; write a .vdb, or the grids with vdb.write\n");
-    CHECK(NodeBench(points_write(), "{path: a.ply, width: 1}").faults() == "width: is for USD files; the path does not end in .usda\n");
-    CHECK(NodeBench(points_write(), "{path: a.usda, encoding: ascii}").faults() == "encoding: is for PLY files; the path does not end in .ply\n");
+    CHECK(NodeBench(points_write(), "{path: a.ply, width: 1}").faults() ==
+          "width: is for USD files; the path does not end in .usda\n");
+    CHECK(NodeBench(points_write(), "{path: a.usda, encoding: ascii}").faults() ==
+          "encoding: is for PLY files; the path does not end in .ply\n");
 }

@@ -23,13 +23,16 @@ using Offsets = std::set<double>;
 /// All positions of the ends of lines along a side of the picture.
 Offsets ends(const std::vector<PictureLine>& lines, std::size_t side) {
     Offsets out;
-    for (const auto& [from, to] : lines) out.insert({std::round(from[side] * 1e6) / 1e6, std::round(to[side] * 1e6) / 1e6});
+    for (const auto& [from, to] : lines)
+        out.insert({std::round(from[side] * 1e6) / 1e6, std::round(to[side] * 1e6) / 1e6});
     return out;
 }
 
 const auto unit_space = openvdb::math::Transform::createLinearTransform(1);
 
-Rig rig_of(const std::vector<Vec3d>& points, bool closed) { return {points, closed, Vec3d(0, 0, 1), {}}; }
+Rig rig_of(const std::vector<Vec3d>& points, bool closed) {
+    return {points, closed, Vec3d(0, 0, 1), {}};
+}
 
 /// A frame with a cube of 10 voxels, before and after.
 SheetFrame cube_frame() { return frame_of(1, cube(Coord(0), 10, 1.0f), cube(Coord(0), 10, 0.5f)); }
@@ -37,7 +40,8 @@ SheetFrame cube_frame() { return frame_of(1, cube(Coord(0), 10, 1.0f), cube(Coor
 }  // namespace
 
 TEST_CASE("a lattice is drawn by its planes and the lines through their corners") {
-    // u along x, w along z: of each plane two edges lie over each other, and two run along the view.
+    // u along x, w along z: of each plane two edges lie over each other, and two run along the
+    // view.
     const auto box = make_box({0, 5, 0}, {10, 2, 4}, 1, {0, 1, 2});
     const auto lines = lattice_lines(box, *unit_space, View::y);
     CHECK(lines.size() == 4 * 2 + 4 * 3);
@@ -49,18 +53,21 @@ TEST_CASE("a lattice is drawn by its planes and the lines through their corners"
     CHECK(ends(above, 0) == Offsets{0.5, 18.5});
     CHECK(ends(above, 1) == Offsets{10.5, 12.5});
     // Of many planes about 16, of their corners all.
-    CHECK(lattice_lines(make_box({0, 5, 0}, {10, 2, 161}, 1, {0, 1, 2}), *unit_space, View::y).size() == 16 * 2 + 4 * 160);
+    CHECK(lattice_lines(make_box({0, 5, 0}, {10, 2, 161}, 1, {0, 1, 2}), *unit_space, View::y)
+              .size() == 16 * 2 + 4 * 160);
 }
 
 TEST_CASE("the lines around a closed lattice close") {
     const auto around = ring(Vec3d(0), {3, 1, 12}, 1, {-1, 0});
     const auto lines = lattice_lines(around, *unit_space, View::z);
-    // A lattice one vertex high has two edges per plane that lie over each other; two corners lie on two others.
+    // A lattice one vertex high has two edges per plane that lie over each other; two corners lie
+    // on two others.
     REQUIRE(lines.size() == 12 * 2 + 4 * 12);
     const auto outer = ring_radius(12, 1) + 1;
     double way = 0;
     for (const auto& [from, to] : lines)
-        if (std::hypot(from[0] - 0.5, from[1] - 0.5) > outer - 1e-6 && std::hypot(to[0] - 0.5, to[1] - 0.5) > outer - 1e-6)
+        if (std::hypot(from[0] - 0.5, from[1] - 0.5) > outer - 1e-6 &&
+            std::hypot(to[0] - 0.5, to[1] - 0.5) > outer - 1e-6)
             way += std::hypot(to[0] - from[0], to[1] - from[1]);
     CHECK(way == Approx(2 * 12 * 2 * outer * std::sin(M_PI / 12)));
 }
@@ -78,7 +85,8 @@ TEST_CASE("a rig is drawn as it goes, without what can't be seen") {
     REQUIRE(closed.size() == 3);
     CHECK(closed[2].to == std::array{0.5, 0.5});
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    CHECK(rig_lines(rig_of({{0, 0, 0}, {nan, 0, 0}, {1, 0, 0}}, false), *unit_space, View::y).empty());
+    CHECK(rig_lines(rig_of({{0, 0, 0}, {nan, 0, 0}, {1, 0, 0}}, false), *unit_space, View::y)
+              .empty());
 }
 
 TEST_CASE("lattice and rig lie over all pictures of a sheet, seams over the energy") {
@@ -87,10 +95,13 @@ TEST_CASE("lattice and rig lie over all pictures of a sheet, seams over the ener
     frame.energy = cube(Coord(0), 10, 1.0f);
     frame.lattice = std::make_shared<Lattice>(lattice);
     frame.rig = std::make_shared<Rig>(rig_of({{4, 5, 0}, {4, 5, 9}}, false));
-    frame.seams = std::make_shared<Seams>(straight_seams(lattice, Axis::u, Seams::Kind::remove, {3}, {1}));
+    frame.seams =
+        std::make_shared<Seams>(straight_seams(lattice, Axis::u, Seams::Kind::remove, {3}, {1}));
     auto wish = wish_for(View::y, {SheetWish::Show::maximum, SheetWish::Show::slice});
     wish.slice = 5;
-    const auto drawn = [&](Colour colour) { return find(draw_sheet(page_of(wish, {frame})), colour).count; };
+    const auto drawn = [&](Colour colour) {
+        return find(draw_sheet(page_of(wish, {frame})), colour).count;
+    };
     CHECK(drawn(lattice_colour) == 0);
     CHECK(drawn(rig_colour) == 0);
     CHECK(drawn(seam_colour) > 0);
@@ -116,11 +127,14 @@ TEST_CASE("lattice and rig lie over all pictures of a sheet, seams over the ener
     CHECK((line.right - picture.left) / voxel == Approx(4.5).margin(0.2));
 }
 
-TEST_CASE("a lattice beyond the content widens the picture, but by no more than the content's size on each side") {
+TEST_CASE(
+    "a lattice beyond the content widens the picture, but by no more than the content's size on "
+    "each side") {
     auto frame = cube_frame();
     auto wish = wish_for();
     const auto width = [&](double first, double spacing) {
-        frame.lattice = std::make_shared<Lattice>(make_box(Vec3d(first, 0, first), {2, 1, 2}, spacing, {0, 1, 2}));
+        frame.lattice = std::make_shared<Lattice>(
+            make_box(Vec3d(first, 0, first), {2, 1, 2}, spacing, {0, 1, 2}));
         const auto cubes = find(draw_sheet(page_of(wish, {frame})), heat(1));
         return cubes.right - cubes.left;
     };

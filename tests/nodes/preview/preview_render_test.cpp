@@ -22,7 +22,8 @@ using openvdb::CoordBBox;
 
 namespace {
 
-FloatGrid::Ptr block(const Coord& first, const Coord& last, float value, const std::string& name = "density") {
+FloatGrid::Ptr block(const Coord& first, const Coord& last, float value,
+                     const std::string& name = "density") {
     auto out = named(name);
     out->denseFill(CoordBBox(first, last), value, true);
     return out;
@@ -40,19 +41,24 @@ FloatGrid::Ptr ball(float value = 1) {
 }
 
 constexpr Exposure one{1, 0};
-
 constexpr Exposure with_fire{1, 1};
 
-double light(const Colour& colour) { return (0.2126 * colour.red + 0.7152 * colour.green + 0.0722 * colour.blue) / 255; }
+double light(const Colour& colour) {
+    return (0.2126 * colour.red + 0.7152 * colour.green + 0.0722 * colour.blue) / 255;
+}
 
 /// The mean of a measure over the pixels of an area, given in voxels.
-double mean(const Render& render, const Area& area, const std::function<double(const Colour&)>& of) {
+double mean(const Render& render, const Area& area,
+            const std::function<double(const Colour&)>& of) {
     const int pixels = render.picture.width / render.area.size(0);
     double sum = 0;
     int count = 0;
-    for (int y = (render.area.last[1] - area.last[1]) * pixels; y < (render.area.last[1] - area.first[1] + 1) * pixels; ++y)
-        for (int x = (area.first[0] - render.area.first[0]) * pixels; x < (area.last[0] - render.area.first[0] + 1) * pixels; ++x) {
-            sum += of(render.picture.pixels[static_cast<std::size_t>(y) * render.picture.width + x]);
+    for (int y = (render.area.last[1] - area.last[1]) * pixels;
+         y < (render.area.last[1] - area.first[1] + 1) * pixels; ++y)
+        for (int x = (area.first[0] - render.area.first[0]) * pixels;
+             x < (area.last[0] - render.area.first[0] + 1) * pixels; ++x) {
+            sum +=
+                of(render.picture.pixels[static_cast<std::size_t>(y) * render.picture.width + x]);
             ++count;
         }
     return sum / count;
@@ -61,14 +67,18 @@ double mean(const Render& render, const Area& area, const std::function<double(c
 double brightness(const Render& render, const Area& area) { return mean(render, area, light); }
 
 double redness(const Render& render, const Area& area) {
-    return mean(render, area, [](const Colour& colour) { return (colour.red - colour.blue) / 255.0; });
+    return mean(render, area,
+                [](const Colour& colour) { return (colour.red - colour.blue) / 255.0; });
 }
 
 bool plain(const Render& render) {
-    return std::all_of(render.picture.pixels.begin(), render.picture.pixels.end(), [](const Colour& colour) { return colour == render_background; });
+    return std::all_of(render.picture.pixels.begin(), render.picture.pixels.end(),
+                       [](const Colour& colour) { return colour == render_background; });
 }
 
-bool same(const Render& a, const Render& b) { return a.picture.width == b.picture.width && a.picture.pixels == b.picture.pixels; }
+bool same(const Render& a, const Render& b) {
+    return a.picture.width == b.picture.width && a.picture.pixels == b.picture.pixels;
+}
 
 /// What differs from the background, in voxels.
 Area seen(const Render& render) {
@@ -76,14 +86,18 @@ Area seen(const Render& render) {
     Area out;
     for (int y = 0; y < render.picture.height; ++y)
         for (int x = 0; x < render.picture.width; ++x) {
-            if (render.picture.pixels[static_cast<std::size_t>(y) * render.picture.width + x] == render_background) continue;
-            const std::array<int, 2> voxel{render.area.first[0] + x / pixels, render.area.last[1] - y / pixels};
+            if (render.picture.pixels[static_cast<std::size_t>(y) * render.picture.width + x] ==
+                render_background)
+                continue;
+            const std::array<int, 2> voxel{render.area.first[0] + x / pixels,
+                                           render.area.last[1] - y / pixels};
             out.include({voxel, voxel});
         }
     return out;
 }
 
-SheetFrame lit_frame(int number, const FloatGrid::ConstPtr& before, const FloatGrid::ConstPtr& after) {
+SheetFrame lit_frame(int number, const FloatGrid::ConstPtr& before,
+                     const FloatGrid::ConstPtr& after) {
     SheetFrame out;
     out.name = "frame " + std::to_string(number);
     out.number = number;
@@ -130,7 +144,8 @@ TEST_CASE("preview render: smoke throws its shadow on other smoke") {
     const CoordBBox box(Coord(0), Coord(31, 15, 31));
     const Area below{{12, 14}, {15, 17}};
     const auto alone = render({wall, nullptr, {}}, View::y, box, one);
-    CHECK(brightness(render({both, nullptr, {}}, View::y, box, one), below) < brightness(alone, below) - 0.05);
+    CHECK(brightness(render({both, nullptr, {}}, View::y, box, one), below) <
+          brightness(alone, below) - 0.05);
 }
 
 TEST_CASE("preview render: a picture has the place and orientation of a projection") {
@@ -157,7 +172,8 @@ TEST_CASE("preview render: a picture has the place and orientation of a projecti
 TEST_CASE("preview render: of two things the camera sees the nearer one") {
     const CoordBBox box(Coord(0), Coord(15));
     const auto burning = [&](const Coord& fire, const Coord& smoke) {
-        return Scene{block(smoke, smoke.offsetBy(5), 1), block(fire, fire.offsetBy(5), 0.2f, "flame"), {}};
+        return Scene{
+            block(smoke, smoke.offsetBy(5), 1), block(fire, fire.offsetBy(5), 0.2f, "flame"), {}};
     };
     const Area middle{{7, 7}, {8, 8}};
     const auto ends = [](int axis, int at) {
@@ -166,15 +182,20 @@ TEST_CASE("preview render: of two things the camera sees the nearer one") {
         return out;
     };
     // Seen from +x, -y and +z.
-    for (const auto& [view, near, far] : {std::tuple{View::x, 10, 0}, {View::y, 0, 10}, {View::z, 10, 0}}) {
+    for (const auto& [view, near, far] :
+         {std::tuple{View::x, 10, 0}, {View::y, 0, 10}, {View::z, 10, 0}}) {
         const int axis = static_cast<int>(view);
         INFO("view " << axis);
-        CHECK(redness(render(burning(ends(axis, near), ends(axis, far)), view, box, with_fire), middle) > 0.4);
-        CHECK(redness(render(burning(ends(axis, far), ends(axis, near)), view, box, with_fire), middle) < 0.2);
+        CHECK(redness(render(burning(ends(axis, near), ends(axis, far)), view, box, with_fire),
+                      middle) > 0.4);
+        CHECK(redness(render(burning(ends(axis, far), ends(axis, near)), view, box, with_fire),
+                      middle) < 0.2);
     }
 }
 
-TEST_CASE("preview render: fire glows where it is, the hotter the brighter, and lights the smoke around it") {
+TEST_CASE(
+    "preview render: fire glows where it is, the hotter the brighter, and lights the smoke around "
+    "it") {
     const CoordBBox box(Coord(0), Coord(31));
     const auto flame = block(Coord(20, 14, 4), Coord(27, 17, 11), 0.5f, "flame");
     const auto fire = render({nullptr, flame, {}}, View::y, box, with_fire);
@@ -182,7 +203,9 @@ TEST_CASE("preview render: fire glows where it is, the hotter the brighter, and 
     CHECK(redness(fire, within) > 0.3);
     CHECK(brightness(fire, within) > light(render_background) + 0.1);
     CHECK(brightness(fire, beside) == Approx(light(render_background)));
-    const auto weak = render({nullptr, block(Coord(20, 14, 4), Coord(27, 17, 11), 0.25f, "flame"), {}}, View::y, box, with_fire);
+    const auto weak =
+        render({nullptr, block(Coord(20, 14, 4), Coord(27, 17, 11), 0.25f, "flame"), {}}, View::y,
+               box, with_fire);
     CHECK(brightness(weak, within) < brightness(fire, within) - 0.1);
 
     const auto smoke = block(Coord(4, 14, 4), Coord(31, 17, 11), 0.2f);
@@ -191,15 +214,20 @@ TEST_CASE("preview render: fire glows where it is, the hotter the brighter, and 
     CHECK(redness(burning, {{17, 6}, {18, 9}}) > redness(burning, {{5, 6}, {8, 9}}) + 0.02);
 }
 
-TEST_CASE("preview render: each stop of exposure makes smoke and fire brighter, and leaves the background") {
+TEST_CASE(
+    "preview render: each stop of exposure makes smoke and fire brighter, and leaves the "
+    "background") {
     const Area middle{{-3, -3}, {3, 3}};
     const auto fire = block(Coord(-4, -2, -4), Coord(4, 1, 4), 0.2f, "flame");
     for (const auto& scene : {Scene{ball(), nullptr, {}}, Scene{nullptr, fire, {}}}) {
-        const auto of = [&](double gain) { return render(scene, View::y, around_ball, {1, 1, gain}); };
+        const auto of = [&](double gain) {
+            return render(scene, View::y, around_ball, {1, 1, gain});
+        };
         const auto plain_one = of(1), brighter = of(4), darker = of(0.25);
         CHECK(brightness(brighter, middle) > brightness(plain_one, middle) + 0.05);
         CHECK(brightness(darker, middle) < brightness(plain_one, middle) - 0.05);
-        for (const auto* shown : {&plain_one, &brighter, &darker}) CHECK(shown->picture.pixels.front() == render_background);
+        for (const auto* shown : {&plain_one, &brighter, &darker})
+            CHECK(shown->picture.pixels.front() == render_background);
     }
     auto wish = render_wish();
     const auto page = [&] { return page_of(wish, {lit_frame(1, ball(), nullptr)}); };
@@ -208,7 +236,8 @@ TEST_CASE("preview render: each stop of exposure makes smoke and fire brighter, 
     wish.exposure = 1.5;
     const auto after = page();
     CHECK(names_of(after) == std::vector<std::string>{"before: lit, seen along y, exposure +1.5"});
-    CHECK(brightness(after.rows[0].panels[0].render, middle) > brightness(before.rows[0].panels[0].render, middle) + 0.05);
+    CHECK(brightness(after.rows[0].panels[0].render, middle) >
+          brightness(before.rows[0].panels[0].render, middle) + 0.05);
 }
 
 TEST_CASE("preview render: nothing to see is the plain background") {
@@ -230,7 +259,8 @@ TEST_CASE("preview render: what is inactive, negative or no number is not seen")
     Exposure exposure;
     exposure.meter({odd, nullptr, {}});
     CHECK(exposure.smoke == 1);
-    CHECK(same(render({odd, nullptr, {}}, View::y, around_ball, exposure), render({clean, nullptr, {}}, View::y, around_ball, one)));
+    CHECK(same(render({odd, nullptr, {}}, View::y, around_ball, exposure),
+               render({clean, nullptr, {}}, View::y, around_ball, one)));
 
     const auto full = FloatGrid::create(3.0f);
     full->setName("density");
@@ -242,10 +272,13 @@ TEST_CASE("preview render: tiles are seen as voxels are") {
     const auto tiles = named("density");
     tiles->sparseFill(box, 0.1f, true);
     REQUIRE(tiles->tree().activeTileCount() > 0);
-    CHECK(same(render({tiles, nullptr, {}}, View::y, box, one), render({block(box.min(), box.max(), 0.1f), nullptr, {}}, View::y, box, one)));
+    CHECK(same(render({tiles, nullptr, {}}, View::y, box, one),
+               render({block(box.min(), box.max(), 0.1f), nullptr, {}}, View::y, box, one)));
 }
 
-TEST_CASE("preview render: the exposure is relative, whatever the values' unit and the grid's transform") {
+TEST_CASE(
+    "preview render: the exposure is relative, whatever the values' unit and the grid's "
+    "transform") {
     const auto expected = render({ball(), nullptr, {}}, View::y, around_ball, one);
     CHECK(same(render({ball(256), nullptr, {}}, View::y, around_ball, {256, 0}), expected));
     CHECK_FALSE(same(render({ball(0.1f), nullptr, {}}, View::y, around_ball, one), expected));
@@ -254,14 +287,16 @@ TEST_CASE("preview render: the exposure is relative, whatever the values' unit a
     stretched->preScale(openvdb::Vec3d(1, 2, 3));
     flat->setTransform(stretched);
     CHECK(same(render({flat, nullptr, {}}, View::y, around_ball, one), expected));
-    flat->setTransform(openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd({0, 0, 0}, {10, 10, 10}), 0.5, 2));
+    flat->setTransform(openvdb::math::Transform::createFrustumTransform(
+        openvdb::BBoxd({0, 0, 0}, {10, 10, 10}), 0.5, 2));
     CHECK(same(render({flat, nullptr, {}}, View::y, around_ball, one), expected));
 }
 
 TEST_CASE("preview render: large boxes are seen through fewer pixels") {
     const auto size_of = [](int size) {
         const auto shown = render({}, View::y, CoordBBox(Coord(-3), Coord(size - 4)), one);
-        REQUIRE(shown.picture.pixels.size() == static_cast<std::size_t>(shown.picture.width) * shown.picture.height);
+        REQUIRE(shown.picture.pixels.size() ==
+                static_cast<std::size_t>(shown.picture.width) * shown.picture.height);
         return std::pair{shown.picture.width, shown.area.size(0)};
     };
     CHECK(size_of(1) == std::pair{2, 1});
@@ -284,9 +319,12 @@ TEST_CASE("preview render: the same picture on one thread and on two") {
 }
 
 TEST_CASE("preview render: flame comes with the smoke, density with the fire") {
-    const auto density = named("density"), flame = named("flame"), heat = named("heat"), soot = named("soot");
+    const auto density = named("density"), flame = named("flame"), heat = named("heat"),
+               soot = named("soot");
     const Volume all{{density, flame, heat, soot}, {}, {}};
-    const auto scene = [&](const openvdb::GridBase::ConstPtr& shown) { return scene_of(all, "before", shown); };
+    const auto scene = [&](const openvdb::GridBase::ConstPtr& shown) {
+        return scene_of(all, "before", shown);
+    };
     CHECK(scene(density).smoke == density);
     CHECK(scene(density).fire == flame);
     CHECK(scene(soot).smoke == soot);
@@ -304,8 +342,10 @@ TEST_CASE("preview render: flame comes with the smoke, density with the fire") {
     CHECK(left.left_out == "flame");
 }
 
-TEST_CASE("preview render: of a level set all that is inside is shown, evenly thick, and nothing else") {
-    const auto ball = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(9, openvdb::Vec3f(0), 1);
+TEST_CASE(
+    "preview render: of a level set all that is inside is shown, evenly thick, and nothing else") {
+    const auto ball =
+        openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(9, openvdb::Vec3f(0), 1);
     const auto scene = scene_of({{ball}, {}, {}}, "before", ball);
     for (const int x : {0, 3, 7}) CHECK(scene.smoke->tree().getValue({x, 0, 0}) == 1);
     CHECK(scene.smoke->tree().getValue({10, 0, 0}) == 0);
@@ -330,7 +370,8 @@ TEST_CASE("preview render: before and after share one window and the exposure of
     CHECK(same(equal[0], equal[2]));
     CHECK(same(equal[1], equal[3]));
     CHECK_FALSE(same(equal[0], equal[1]));
-    // What is stronger after than before is seen as stronger, and changes nothing in the other pictures.
+    // What is stronger after than before is seen as stronger, and changes nothing in the other
+    // pictures.
     const auto raised = pictures(weak, strong);
     CHECK(same(raised[0], raised[1]));
     CHECK_FALSE(same(raised[2], raised[0]));
@@ -356,8 +397,9 @@ TEST_CASE("preview render: rows are before and after, then the energy as a slice
         const auto page = rows.page(1, [&](double fraction) { progress.push_back(fraction); });
         std::vector<std::string> names;
         for (const auto& row : page.rows) names.push_back(row.name + ": " + row.what);
-        CHECK(names ==
-              std::vector<std::string>{"before: lit, seen along y", "after: lit, seen along y", stated ? "energy: slice at y = 2" : "energy: slice at y = 0"});
+        CHECK(names == std::vector<std::string>{
+                           "before: lit, seen along y", "after: lit, seen along y",
+                           stated ? "energy: slice at y = 2" : "energy: slice at y = 0"});
         CHECK(progress.size() == 2);
         CHECK(progress[0] < progress[1]);
         CHECK(page.rows[0].panels[0].caption == "19 x 19 x 19 voxels");
@@ -369,7 +411,8 @@ TEST_CASE("preview render: rows are before and after, then the energy as a slice
             for (int x = 246; x < sheet.width(); ++x) {
                 const auto colour = sheet.at(x, y);
                 behind += colour == render_background;
-                smoke += colour.red > 150 && colour.red == colour.green && colour.green == colour.blue;
+                smoke +=
+                    colour.red > 150 && colour.red == colour.green && colour.green == colour.blue;
             }
         CHECK(behind > 1000);
         CHECK(smoke > 1000);
@@ -398,9 +441,14 @@ TEST_CASE("preview render: grids that hold no floats are refused") {
     const auto vectors = VectorGrid::create();
     vectors->setName("velocity");
     const auto failure = [&](const std::string& show) {
-        return failure_of([&] { NodeBench(preview_sheet(), "{path: x.png, grid: velocity, show: " + show + "}").add({{"before", {volume_of({vectors})}}}); });
+        return failure_of([&] {
+            NodeBench(preview_sheet(), "{path: x.png, grid: velocity, show: " + show + "}")
+                .add({{"before", {volume_of({vectors})}}});
+        });
     };
-    CHECK(failure("render") == "grid 'velocity' of 'before' holds vec3s values; 'show: render' needs floats: name another grid, or choose 'show: maximum'");
+    CHECK(failure("render") ==
+          "grid 'velocity' of 'before' holds vec3s values; 'show: render' needs floats: name "
+          "another grid, or choose 'show: maximum'");
     CHECK(failure("maximum").empty());
 }
 
@@ -414,18 +462,23 @@ TEST_CASE("preview render: a grid of another transform is left out with a warnin
     flame->setTransform(openvdb::math::Transform::createLinearTransform(2));
     NodeBench node(preview_sheet(), "{path: x.png, show: render}");
     node.add({{"before", {volume_of({ball(), flame})}}}, Context(listener, frames));
-    CHECK(listener.warnings == std::vector<std::string>{"'flame' of 'before' is not rendered: it has another transform than 'density'"});
+    CHECK(listener.warnings ==
+          std::vector<std::string>{
+              "'flame' of 'before' is not rendered: it has another transform than 'density'"});
 }
 
 TEST_CASE("preview render: parameters that a render has no use for say so") {
-    const auto faults = [](const std::string& yaml, const std::map<std::string, std::size_t>& connected) {
+    const auto faults = [](const std::string& yaml,
+                           const std::map<std::string, std::size_t>& connected) {
         return NodeBench(preview_sheet(), yaml, connected).faults();
     };
     CHECK(faults("{show: render, difference: true}", {{"before", 1}, {"after", 1}}) ==
-          "difference: 'show: render' has no difference; leave 'difference' out, or choose 'show: maximum'\n");
+          "difference: 'show: render' has no difference; leave 'difference' out, or choose 'show: "
+          "maximum'\n");
     CHECK(faults("{show: render, difference: false}", {{"before", 1}, {"after", 1}}) == "");
     CHECK(faults("{show: render, slice: 3}", {{"before", 1}}) ==
-          "slice: nothing is sliced: 'slice' needs a connected 'energy', 'show: slice' or 'show: both'\n");
+          "slice: nothing is sliced: 'slice' needs a connected 'energy', 'show: slice' or 'show: "
+          "both'\n");
     CHECK(faults("{show: render, slice: 3}", {{"before", 1}, {"energy", 1}}) == "");
 }
 

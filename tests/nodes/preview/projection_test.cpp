@@ -18,7 +18,8 @@ TEST_CASE("a maximum projection takes the greatest active value along its axis")
     auto values = grid->getAccessor();
     for (int x = -9; x <= 9; ++x)
         for (int y = -3; y <= 12; ++y)
-            for (int z = -20; z <= 20; ++z) values.setValueOn(Coord(x, y, z), static_cast<float>(100 * x + 10 * y + z));
+            for (int z = -20; z <= 20; ++z)
+                values.setValueOn(Coord(x, y, z), static_cast<float>(100 * x + 10 * y + z));
     values.setValueOff(Coord(9, 12, 20), 1e6f);
     const CoordBBox box(Coord(-9, -3, -20), Coord(9, 12, 20));
 
@@ -35,7 +36,8 @@ TEST_CASE("a maximum projection takes the greatest active value along its axis")
     CHECK(along_z.at(-9, 12) == -900 + 120 + 20);
     CHECK(along_z.at(0, 0) == 20);
 
-    const auto part = maximum_projection(*grid, View::z, CoordBBox(Coord(-2, 0, -5), Coord(2, 1, 3)));
+    const auto part =
+        maximum_projection(*grid, View::z, CoordBBox(Coord(-2, 0, -5), Coord(2, 1, 3)));
     CHECK(part.cells.size(0) == 5);
     CHECK(part.at(2, 1) == 200 + 10 + 3);
 }
@@ -59,12 +61,14 @@ TEST_CASE("tiles are seen without being made into voxels") {
     grid->sparseFill(CoordBBox(Coord(-128), Coord(127)), 2.0f, true);
     grid->tree().setValueOn(Coord(5, 60, 5), 7.0f);
     const auto leaves = grid->tree().leafCount();
-    const auto seen = maximum_projection(*grid, View::z, CoordBBox(Coord(-130, 50, -130), Coord(10, 70, 0)));
+    const auto seen =
+        maximum_projection(*grid, View::z, CoordBBox(Coord(-130, 50, -130), Coord(10, 70, 0)));
     CHECK(std::isnan(seen.at(-129, 55)));
     CHECK(seen.at(-128, 50) == 2.0f);
     CHECK(seen.at(10, 70) == 2.0f);
     CHECK(seen.at(5, 60) == 2.0f);
-    CHECK(maximum_projection(*grid, View::z, CoordBBox(Coord(-130, 50, 0), Coord(10, 70, 5))).at(5, 60) == 7.0f);
+    CHECK(maximum_projection(*grid, View::z, CoordBBox(Coord(-130, 50, 0), Coord(10, 70, 5)))
+              .at(5, 60) == 7.0f);
     CHECK(grid->tree().leafCount() == leaves);
 }
 
@@ -91,7 +95,8 @@ TEST_CASE("a large box is seen through larger cells, aligned in the whole index 
 
     const auto same = fitted(maximum_projection(*grid, View::y, box), 4, seen.cells);
     for (std::size_t n = 0; n < seen.values.size(); ++n)
-        CHECK((same.values[n] == seen.values[n] || (std::isnan(same.values[n]) && std::isnan(seen.values[n]))));
+        CHECK((same.values[n] == seen.values[n] ||
+               (std::isnan(same.values[n]) && std::isnan(seen.values[n]))));
 }
 
 TEST_CASE("colours grow lighter with the value, evenly enough to read in grey") {
@@ -108,7 +113,9 @@ TEST_CASE("colours grow lighter with the value, evenly enough to read in grey") 
 }
 
 TEST_CASE("opposite differences are equally light, and lighter the larger") {
-    const auto light = [](const Colour& colour) { return 0.2126 * colour.red + 0.7152 * colour.green + 0.0722 * colour.blue; };
+    const auto light = [](const Colour& colour) {
+        return 0.2126 * colour.red + 0.7152 * colour.green + 0.0722 * colour.blue;
+    };
     for (int n = 1; n <= 20; ++n) {
         const double size = n / 20.0;
         CHECK(light(diverging(size)) > light(diverging(size - 0.05)));
@@ -121,7 +128,8 @@ TEST_CASE("opposite differences are equally light, and lighter the larger") {
     CHECK(diverging(2) == diverging(1));
 }
 
-TEST_CASE("a difference is after minus before, and along a line of sight the largest with its sign") {
+TEST_CASE(
+    "a difference is after minus before, and along a line of sight the largest with its sign") {
     const auto before = cube(Coord(0), 4, 1.0f);
     const auto after = cube(Coord(0), 4, 1.0f);
     after->tree().setValueOn(Coord(1, 0, 1), 1.5f);
@@ -139,7 +147,8 @@ TEST_CASE("a difference is after minus before, and along a line of sight the lar
 
     const auto old = VectorGrid::create();
     old->tree().setValueOn(Coord(0), {3, 4, 0});
-    CHECK(largest_difference(*old, *VectorGrid::create(), View::z, CoordBBox(Coord(0), Coord(0))).at(0, 0) == -5.0f);
+    CHECK(largest_difference(*old, *VectorGrid::create(), View::z, CoordBBox(Coord(0), Coord(0)))
+              .at(0, 0) == -5.0f);
 }
 
 TEST_CASE("what only one of two grids holds differs from the other's background, in tiles too") {
@@ -152,7 +161,9 @@ TEST_CASE("what only one of two grids holds differs from the other's background,
     CHECK(seen.at(0, 0) == -2.0f);
     CHECK(seen.at(127, 127) == -2.0f);
     CHECK(seen.at(130, 3) == 4.0f);
-    CHECK(largest_difference(*before, *after, View::z, CoordBBox(Coord(0, 0, 5), Coord(135, 135, 5))).at(5, 5) == 0.0f);
+    CHECK(
+        largest_difference(*before, *after, View::z, CoordBBox(Coord(0, 0, 5), Coord(135, 135, 5)))
+            .at(5, 5) == 0.0f);
     CHECK(std::isnan(seen.at(129, 3)));
 }
 
@@ -168,12 +179,16 @@ TEST_CASE("a difference of large tiles and of voxels far apart takes no more tha
         const auto seen = largest_difference(*before, *after, view, near);
         auto wanted = blank_projection(near, view, 1024, Projection::Keep::largest);
         for (const auto& at : near)
-            if (before->tree().isValueOn(at) || after->tree().isValueOn(at)) wanted.see(at, view, after->tree().getValue(at) - before->tree().getValue(at));
+            if (before->tree().isValueOn(at) || after->tree().isValueOn(at))
+                wanted.see(at, view, after->tree().getValue(at) - before->tree().getValue(at));
         REQUIRE(seen.values.size() == wanted.values.size());
         for (std::size_t n = 0; n < wanted.values.size(); ++n)
-            CHECK((seen.values[n] == wanted.values[n] || (std::isnan(seen.values[n]) && std::isnan(wanted.values[n]))));
+            CHECK((seen.values[n] == wanted.values[n] ||
+                   (std::isnan(seen.values[n]) && std::isnan(wanted.values[n]))));
     }
-    CHECK_FALSE(largest_difference(*before, *after, View::z, CoordBBox(Coord(-128, 0, 0), Coord(128'000, 32'000, 32'000))).empty());
+    CHECK_FALSE(largest_difference(*before, *after, View::z,
+                                   CoordBBox(Coord(-128, 0, 0), Coord(128'000, 32'000, 32'000)))
+                    .empty());
 }
 
 TEST_CASE("a slice shows one plane, by nearest voxels where the grid has another transform") {

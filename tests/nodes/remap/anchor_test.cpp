@@ -1,8 +1,9 @@
-#include "nodes/remap/geometry/points.h"
-#include "nodes/remap/grid.h"
-#include "nodes/seam/pyramid.h"
-#include "nodes/seams/carve_inverse.h"
-#include "nodes/seams/seam_file.h"
+#include "carve/remap/geometry/points.h"
+#include "carve/remap/grid.h"
+#include "carve/seam/carve_inverse.h"
+#include "carve/solver/pyramid.h"
+#include "formats/seam_file/seam_file.h"
+#include "nodes/seam.h"
 #include "tests/support/reference_carve.h"
 #include "tests/support/solver_bench.h"
 #include "tests/support/wavy_seams.h"
@@ -28,7 +29,8 @@ const Lattice lattice = make_box(Vec3d(0), shape, 1.0, {0, 1, 2});
 
 FloatGrid::Ptr noisy_box() {
     std::mt19937 random(1);
-    return energy_grid(CoordBBox(Coord(0), Coord(13, 8, 7)), [&](const Coord&) { return static_cast<float>(1 + random() % 1000); });
+    return energy_grid(CoordBBox(Coord(0), Coord(13, 8, 7)),
+                       [&](const Coord&) { return static_cast<float>(1 + random() % 1000); });
 }
 
 Seams anchored(Seams seams, Anchor anchor) {
@@ -37,17 +39,21 @@ Seams anchored(Seams seams, Anchor anchor) {
     return seams;
 }
 
-FloatGrid::ConstPtr carved_by_sets(const FloatGrid::Ptr& grid, const Lattice& in, const std::vector<Seams>& sets, Softness softness = {}) {
+FloatGrid::ConstPtr carved_by_sets(const FloatGrid::Ptr& grid, const Lattice& in,
+                                   const std::vector<Seams>& sets, Softness softness = {}) {
     std::vector<std::shared_ptr<const Seams>> list;
     for (const auto& set : sets) list.push_back(std::make_shared<Seams>(set));
-    return openvdb::gridConstPtrCast<FloatGrid>(carve_grid(grid, in, CarveMap(in, list, 1, {}, softness), Interpolation::linear));
+    return openvdb::gridConstPtrCast<FloatGrid>(
+        carve_grid(grid, in, CarveMap(in, list, 1, {}, softness), Interpolation::linear));
 }
 
 constexpr Anchor middle{Anchor::At::middle, 0}, high{Anchor::At::high, 0};
 
 }  // namespace
 
-TEST_CASE("an anchor shifts the whole result by whole voxels, softly carved or not, and what it frees is empty") {
+TEST_CASE(
+    "an anchor shifts the whole result by whole voxels, softly carved or not, and what it frees is "
+    "empty") {
     std::mt19937 random(2);
     const auto axis = GENERATE(Axis::u, Axis::v, Axis::w);
     const auto kind = GENERATE(Kind::remove, Kind::insert);
@@ -63,23 +69,32 @@ TEST_CASE("an anchor shifts the whole result by whole voxels, softly carved or n
             from[static_cast<int>(axis)] -= shift;
             bool beside = false;
             for (const auto n : {lateral_dimension(axis), slice_dimension(axis)})
-                beside = beside || (*at)[static_cast<int>(n)] < 0 || (*at)[static_cast<int>(n)] >= shape[n];
+                beside = beside || (*at)[static_cast<int>(n)] < 0 ||
+                         (*at)[static_cast<int>(n)] >= shape[n];
             INFO("shift " << shift << " at " << *at);
-            REQUIRE(moved->tree().isValueOn(*at) == (beside ? false : base->tree().isValueOn(from)));
-            REQUIRE(moved->tree().getValue(*at) == Approx(beside ? 0 : base->tree().getValue(from)).margin(soft > 0 ? 1e-3 : 0));
+            REQUIRE(moved->tree().isValueOn(*at) ==
+                    (beside ? false : base->tree().isValueOn(from)));
+            REQUIRE(moved->tree().getValue(*at) ==
+                    Approx(beside ? 0 : base->tree().getValue(from)).margin(soft > 0 ? 1e-3 : 0));
         }
     }
 }
 
-TEST_CASE("the content of an anchored vertex stays: as many vertices go below it as the result is shifted by") {
+TEST_CASE(
+    "the content of an anchored vertex stays: as many vertices go below it as the result is "
+    "shifted by") {
     const auto kind = GENERATE(Kind::remove, Kind::insert);
     // Two of three seams run below vertex 9.
-    const auto seams = straight_seams(lattice, Axis::u, kind, kind == Kind::remove ? std::vector{3, 4, 10} : std::vector{3, 5, 11});
+    const auto seams =
+        straight_seams(lattice, Axis::u, kind,
+                       kind == Kind::remove ? std::vector{3, 4, 10} : std::vector{3, 5, 11});
     const auto grid = noisy_box();
     const auto out = carved_by_sets(grid, lattice, {anchored(seams, {Anchor::At::vertex, 9})});
     for (int y = 0; y < 9; ++y)
-        for (int z = 0; z < 8; ++z) CHECK(out->tree().getValue(Coord(9, y, z)) == grid->tree().getValue(Coord(9, y, z)));
-    CHECK(anchored(seams, {Anchor::At::vertex, 9}).shifts == (kind == Kind::remove ? std::vector{0, 1, 2, 2} : std::vector{0, -1, -2, -2}));
+        for (int z = 0; z < 8; ++z)
+            CHECK(out->tree().getValue(Coord(9, y, z)) == grid->tree().getValue(Coord(9, y, z)));
+    CHECK(anchored(seams, {Anchor::At::vertex, 9}).shifts ==
+          (kind == Kind::remove ? std::vector{0, 1, 2, 2} : std::vector{0, -1, -2, -2}));
 }
 
 TEST_CASE("anchored carves chain, along one axis and along all") {
@@ -99,7 +114,9 @@ TEST_CASE("anchored carves chain, along one axis and along all") {
     tall[2] += 3;
     const auto fifth = random_seams(random, lattice, tall, Axis::u, Kind::remove, 2, {1});
     const auto base = carved_by_sets(grid, lattice, {first, second, third, fourth, fifth});
-    const auto out = carved_by_sets(grid, lattice, {anchored(first, high), anchored(second, middle), anchored(third, high), anchored(fourth, high), fifth});
+    const auto out = carved_by_sets(grid, lattice,
+                                    {anchored(first, high), anchored(second, middle),
+                                     anchored(third, high), anchored(fourth, high), fifth});
     // -3, then +2 along u; +2 along v; -3 along w.
     for (auto at = CoordBBox(Coord(0), Coord(9, 6, 10)).begin(); at; ++at)
         REQUIRE(out->tree().getValue((*at).offsetBy(-1, 2, -3)) == base->tree().getValue(*at));
@@ -117,7 +134,8 @@ TEST_CASE("points and bent lattices follow an anchor") {
     }
     bent.hash = lattice_hash(bent);
     for (const auto kind : {Kind::remove, Kind::insert}) {
-        auto seams = straight_seams(bent, Axis::u, kind, kind == Kind::remove ? std::vector{5, 5} : std::vector{5, 6});
+        auto seams = straight_seams(bent, Axis::u, kind,
+                                    kind == Kind::remove ? std::vector{5, 5} : std::vector{5, 6});
         const auto at = bent.position(Vec3d(11, 4, 3)), below = bent.position(Vec3d(2, 4, 3));
         const auto go = [&](const Vec3d& from) {
             const CarveMap map(bent, {std::make_shared<Seams>(seams)}, 1, {});
@@ -134,7 +152,8 @@ TEST_CASE("points and bent lattices follow an anchor") {
 }
 
 TEST_CASE("an anchor and windows stay with seams that are kept in a file") {
-    auto seams = anchored(straight_seams(lattice, Axis::u, Kind::remove, {4, 4}), {Anchor::At::vertex, 9});
+    auto seams =
+        anchored(straight_seams(lattice, Axis::u, Kind::remove, {4, 4}), {Anchor::At::vertex, 9});
     seams.window = Window{2, 8};
     const auto back = seams_from_volume(seams_to_volume(seams));
     CHECK(back.anchor == seams.anchor);
@@ -143,18 +162,23 @@ TEST_CASE("an anchor and windows stay with seams that are kept in a file") {
     auto volume = seams_to_volume(seams);
     volume.metadata.removeMeta("fluidcarve_anchor");
     volume.metadata.insertMeta("fluidcarve_anchor", openvdb::StringMetadata("14"));
-    CHECK(failure_of([&] { seams_from_volume(volume); }).find("'fluidcarve_anchor' must be low, middle, high or a vertex from 0 to 13, not '14'") !=
-          std::string::npos);
+    CHECK(failure_of([&] { seams_from_volume(volume); })
+              .find("'fluidcarve_anchor' must be low, middle, high or a vertex from 0 to 13, not "
+                    "'14'") != std::string::npos);
 }
 
 TEST_CASE("solvers take an anchor, and refuse one beyond the lattice, below it or beside pairs") {
     const auto energy = noisy_box();
-    CHECK(solve(seam_pyramid(), "{count: -2, anchor: middle}", {energy}, {lattice}, {}, 1).seams->shift_after(2) == 1);
-    CHECK(solve(seam_pyramid(), "{count: 2, anchor: high}", {energy}, {lattice}, {}, 1).seams->shift_after(2) == -2);
+    CHECK(solve(seam_pyramid(), "{count: -2, anchor: middle}", {energy}, {lattice}, {}, 1)
+              .seams->shift_after(2) == 1);
+    CHECK(solve(seam_pyramid(), "{count: 2, anchor: high}", {energy}, {lattice}, {}, 1)
+              .seams->shift_after(2) == -2);
     CHECK_THROWS_WITH(solve(seam_pyramid(), "{count: -2, anchor: 14}", {energy}, {lattice}, {}, 1),
                       "anchor 14 lies beyond the lattice, which has 14 vertices along u: 0 to 13");
     CHECK(NodeBench(seam_pyramid(), "{count: -1, anchor: -2}").faults() ==
           "anchor: parameter 'anchor' must be low, middle, high or a vertex from 0 on, not -2\n");
-    CHECK(NodeBench(seam_pyramid(), "{count: -1, anchor: high, window: [0, 3], pair_window: [5, 7]}").faults() ==
-          "anchor: pairs of seams move neither end of the lattice: leave 'anchor' out\n");
+    CHECK(
+        NodeBench(seam_pyramid(), "{count: -1, anchor: high, window: [0, 3], pair_window: [5, 7]}")
+            .faults() ==
+        "anchor: pairs of seams move neither end of the lattice: leave 'anchor' out\n");
 }

@@ -1,12 +1,10 @@
-#include "nodes/remap/result/carve_result.h"
-
-#include "nodes/remap/grids.h"
-#include "nodes/remap/result/grid_measure.h"
+#include "nodes/result/carve_result.h"
+#include "nodes/remap.h"
+#include "nodes/result/grid_measure.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/reference_carve.h"
 
 #include <tbb/global_control.h>
-
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -36,7 +34,8 @@ struct Heard : Context::Host {
     const Json& section(const std::string& name) { return sections[name]; }
 };
 
-/// A grid of voxels of edge 1 that has one value in a box of 4 x 4 voxels across, from one voxel to another along x.
+/// A grid of voxels of edge 1 that has one value in a box of 4 x 4 voxels across, from one voxel to
+/// another along x.
 FloatGrid::Ptr block(int first, int last, float value, const std::string& name = "density") {
     const auto out = FloatGrid::create();
     out->setName(name);
@@ -47,20 +46,26 @@ FloatGrid::Ptr block(int first, int last, float value, const std::string& name =
 using Frames = std::vector<std::vector<FloatGrid::Ptr>>;  ///< `[frame][grid]`
 
 /// Removes straight seams along x from frames 1, 2, ... and lets the node conclude.
-Heard removed(const Frames& frames, const std::vector<int>& entries, const std::string& params = "{}") {
+Heard removed(const Frames& frames, const std::vector<int>& entries,
+              const std::string& params = "{}") {
     std::vector<int> numbers;
     for (std::size_t n = 0; n < frames.size(); ++n) numbers.push_back(static_cast<int>(n) + 1);
     const auto lattice = std::make_shared<Lattice>(make_box(Vec3d(0), {40, 4, 4}, 1.0, {0, 1, 2}));
-    const auto seams = std::make_shared<Seams>(straight_seams(*lattice, Axis::u, Seams::Kind::remove, entries, numbers));
+    const auto seams = std::make_shared<Seams>(
+        straight_seams(*lattice, Axis::u, Seams::Kind::remove, entries, numbers));
     NodeBench bench(remap_grids(), params);
     Heard out;
     for (std::size_t place = 0; place < frames.size(); ++place) {
         const auto volume = std::make_shared<Volume>();
         for (const auto& grid : frames[place]) volume->grids.push_back(grid);
-        bench.run({{"source", {Payload(volume)}}, {"lattice", {Payload(lattice)}}, {"seams", {Payload(seams)}}}, Context(out, numbers).at(place));
+        bench.run({{"source", {Payload(volume)}},
+                   {"lattice", {Payload(lattice)}},
+                   {"seams", {Payload(seams)}}},
+                  Context(out, numbers).at(place));
     }
     Context context(out, numbers);
-    if (!out.section("grids_by_frame").empty()) bench.type().conclude(bench.params(), out.section("grids_by_frame"), context);
+    if (!out.section("grids_by_frame").empty())
+        bench.type().conclude(bench.params(), out.section("grids_by_frame"), context);
     return out;
 }
 
@@ -122,7 +127,8 @@ TEST_CASE("a measure is the same to the last bit whatever the threads") {
     std::mt19937 random(3);
     const auto grid = FloatGrid::create();
     auto values = grid->getAccessor();
-    for (auto at = CoordBBox::createCube(Coord(-11), 60).begin(); at; ++at) values.setValue(*at, static_cast<float>(random() % 100000) / 7.0f);
+    for (auto at = CoordBBox::createCube(Coord(-11), 60).begin(); at; ++at)
+        values.setValue(*at, static_cast<float>(random() % 100000) / 7.0f);
     const auto with = [&](std::size_t threads) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
         return *measured(*grid);
@@ -138,15 +144,23 @@ TEST_CASE("a measure is the same to the last bit whatever the threads") {
 
 TEST_CASE("a carve says what it did to each grid, in a line and in the report") {
     auto out = removed({{block(0, 9, 1)}, {block(0, 9, 2)}, {block(0, 9, 1)}}, {3, 2});
-    CHECK(out.lines == Lines{"density 10 x 4 x 4 -> 8 x 4 x 4, mass -20.0 %, highest 1.00 of before"});
+    CHECK(out.lines ==
+          Lines{"density 10 x 4 x 4 -> 8 x 4 x 4, mass -20.0 %, highest 1.00 of before"});
     CHECK(out.warnings.empty());
     const auto& frame = out.section("grids_by_frame")["2"]["density"];
     CHECK(frame["voxel"].get<double>() == Approx(1));
-    CHECK(frame["before"] == Json::parse(R"({"box": [[-0.5, -0.5, -0.5], [9.5, 3.5, 3.5]], "mass": 320.0, "highest": 2.0, "centre": [4.5, 1.5, 1.5]})"));
-    CHECK(frame["after"] == Json::parse(R"({"box": [[-0.5, -0.5, -0.5], [7.5, 3.5, 3.5]], "mass": 256.0, "highest": 2.0, "centre": [3.5, 1.5, 1.5]})"));
+    CHECK(
+        frame["before"] ==
+        Json::parse(
+            R"({"box": [[-0.5, -0.5, -0.5], [9.5, 3.5, 3.5]], "mass": 320.0, "highest": 2.0, "centre": [4.5, 1.5, 1.5]})"));
+    CHECK(
+        frame["after"] ==
+        Json::parse(
+            R"({"box": [[-0.5, -0.5, -0.5], [7.5, 3.5, 3.5]], "mass": 256.0, "highest": 2.0, "centre": [3.5, 1.5, 1.5]})"));
     const auto& all = out.section("grids")["density"];
     CHECK(all["frames"] == 3);
-    for (const auto& [side, mass, end] : {std::tuple("before", 640.0 / 3, 9.5), std::tuple("after", 512.0 / 3, 7.5)}) {
+    for (const auto& [side, mass, end] :
+         {std::tuple("before", 640.0 / 3, 9.5), std::tuple("after", 512.0 / 3, 7.5)}) {
         CHECK(all[side]["box"] == Json{{-0.5, -0.5, -0.5}, {end, 3.5, 3.5}});
         CHECK(all[side]["mass"].get<double>() == Approx(mass));
         CHECK(all[side]["highest"] == 2.0);
@@ -156,26 +170,33 @@ TEST_CASE("a carve says what it did to each grid, in a line and in the report") 
 }
 
 TEST_CASE("a carve that changes nothing in a grid is warned of") {
-    const auto out = removed({{block(0, 2, 1), block(0, 11, 1, "shadow"), block(1, 2, 0.5f, "flame"), FloatGrid::create()}}, {8, 7});
-    CHECK(out.lines == Lines{"density 3 x 4 x 4, nothing changed", "shadow 12 x 4 x 4 -> 10 x 4 x 4, mass -16.7 %, highest 1.00 of before",
-                             "flame 2 x 4 x 4, nothing changed"});
-    CHECK(
-        out.warnings ==
-        Lines{"the carve changed nothing in density, flame; if the lattice lies beside it, move or widen the lattice (`fit` of lattice.box; `rig`, `extent_u` "
-              "and `extent_v` of lattice.build); if only the space beside it is carved, connect it as `field` of the solver, or raise the solver's `empty`"});
+    const auto out = removed({{block(0, 2, 1), block(0, 11, 1, "shadow"),
+                               block(1, 2, 0.5f, "flame"), FloatGrid::create()}},
+                             {8, 7});
+    CHECK(out.lines ==
+          Lines{"density 3 x 4 x 4, nothing changed",
+                "shadow 12 x 4 x 4 -> 10 x 4 x 4, mass -16.7 %, highest 1.00 of before",
+                "flame 2 x 4 x 4, nothing changed"});
+    CHECK(out.warnings ==
+          Lines{"the carve changed nothing in density, flame; if the lattice lies beside it, move "
+                "or widen the lattice (`fit` of lattice.box; `rig`, `extent_u` "
+                "and `extent_v` of lattice.build); if only the space beside it is carved, connect "
+                "it as `field` of the solver, or raise the solver's `empty`"});
 }
 
 TEST_CASE("a carve that leaves nothing, in some frames or in all, is warned of") {
     auto out = removed({{block(3, 4, 1)}}, {3, 3});
     CHECK(out.lines == Lines{"density 2 x 4 x 4 -> nothing"});
     CHECK(out.warnings ==
-          Lines{"nothing is left of density; carve less (`count` of seams, `amount` of a warp), or keep the carve off it (`protect` of the solver)"});
+          Lines{"nothing is left of density; carve less (`count` of seams, `amount` of a warp), or "
+                "keep the carve off it (`protect` of the solver)"});
     CHECK(out.section("grids")["density"]["after"] == Json{{"mass", 0.0}, {"highest", 0.0}});
 
     out = removed({{block(3, 4, 1)}, {block(3, 6, 1)}}, {3, 3});
     CHECK(out.warnings ==
           Lines{
-              "nothing is left of density in frame 1; carve less (`count` of seams, `amount` of a warp), or keep the carve off it (`protect` of the solver)",
+              "nothing is left of density in frame 1; carve less (`count` of seams, `amount` of a "
+              "warp), or keep the carve off it (`protect` of the solver)",
           });
 }
 
@@ -186,23 +207,30 @@ FloatGrid::Ptr dense_middle(int last, const std::string& name = "density") {
     return out;
 }
 
-TEST_CASE("a carve that takes far more of the mass than even scaling does is warned of, one that narrows all alike is not") {
+TEST_CASE(
+    "a carve that takes far more of the mass than even scaling does is warned of, one that narrows "
+    "all alike is not") {
     // All of the seams go through the dense middle.
-    CHECK(
-        removed({{dense_middle(23)}}, {10, 10}).warnings ==
-        Lines{"the carve changed the mass by far more or less than even scaling to the same size: density -40.0 %, even scaling -8.3 %; carve less (`count` of "
-              "seams, `amount` of a warp), keep the carve off the content (`protect` of the solver), or keep the mass of densities (`conserve`)"});
+    CHECK(removed({{dense_middle(23)}}, {10, 10}).warnings ==
+          Lines{"the carve changed the mass by far more or less than even scaling to the same "
+                "size: density -40.0 %, even scaling -8.3 %; carve less (`count` of "
+                "seams, `amount` of a warp), keep the carve off the content (`protect` of the "
+                "solver), or keep the mass of densities (`conserve`)"});
     CHECK(removed({{block(0, 9, 1), block(0, 7, 1, "fuel")}}, {1, 1, 1, 1}).warnings.empty());
 }
 
-TEST_CASE("an end that stands still while the other moves is the source: it is warned of if it moves by five voxels") {
+TEST_CASE(
+    "an end that stands still while the other moves is the source: it is warned of if it moves by "
+    "five voxels") {
     const auto moved = [](int seams, const Frames& frames) {
         auto out = removed(frames, std::vector<int>(static_cast<std::size_t>(seams), 0));
         return out.warnings;
     };
-    const Frames growing{{block(20, 25, 0)}, {block(20, 25, 1)}, {block(20, 29, 1)}, {block(20, 35, 1)}};
+    const Frames growing{
+        {block(20, 25, 0)}, {block(20, 25, 1)}, {block(20, 29, 1)}, {block(20, 35, 1)}};
     CHECK(moved(5, growing) ==
-          Lines{"the end of density that stands still over the sequence, where its source is, moved by 5.0 voxels in frame 2; if it must stay "
+          Lines{"the end of density that stands still over the sequence, where its source is, "
+                "moved by 5.0 voxels in frame 2; if it must stay "
                 "in place, set `anchor` of the solver"});
     CHECK(moved(4, growing).empty());
     // Both ends stand, or both move: nothing tells where the source is.
@@ -217,27 +245,34 @@ TEST_CASE("an end that stands still while the other moves is the source: it is w
     CHECK(moved(8, {{picture(25)}, {picture(29)}}).empty());
 }
 
-TEST_CASE("a grid that is a level set in some frames only counts as two, so that figures stay true") {
+TEST_CASE(
+    "a grid that is a level set in some frames only counts as two, so that figures stay true") {
     const auto level = FloatGrid::create(3);
     level->setName("density");
     level->setGridClass(openvdb::GRID_LEVEL_SET);
     level->sparseFill(CoordBBox(Coord(0, 0, 0), Coord(9, 3, 3)), -1.0f);
     const auto out = removed({{block(0, 9, 1)}, {level}}, {4, 4}, "{renormalize: false}");
-    CHECK(out.lines == Lines{"density (no level set) 10 x 4 x 4 -> 8 x 4 x 4, mass -20.0 %, highest 1.00 of before",
-                             "density (level set) 10 x 4 x 4 -> 8 x 4 x 4, mass -20.0 %"});
+    CHECK(
+        out.lines ==
+        Lines{
+            "density (no level set) 10 x 4 x 4 -> 8 x 4 x 4, mass -20.0 %, highest 1.00 of before",
+            "density (level set) 10 x 4 x 4 -> 8 x 4 x 4, mass -20.0 %"});
 }
 
 TEST_CASE("grids of one name are told apart in the result") {
     const auto out = removed({{block(0, 9, 1), block(20, 29, 1)}}, {4, 4});
-    CHECK(out.lines == Lines{"density[0] 10 x 4 x 4 -> 8 x 4 x 4, mass -20.0 %, highest 1.00 of before",
-                             "density[1] 10 x 4 x 4 -> 10 x 4 x 4, mass +0.0 %, highest 1.00 of before"});
+    CHECK(out.lines ==
+          Lines{"density[0] 10 x 4 x 4 -> 8 x 4 x 4, mass -20.0 %, highest 1.00 of before",
+                "density[1] 10 x 4 x 4 -> 10 x 4 x 4, mass +0.0 %, highest 1.00 of before"});
 }
 
 TEST_CASE("without seams nothing is told, and of velocities nothing is measured") {
     auto out = removed({{block(0, 9, 1)}}, {3, 2}, "{count: 0}");
     CHECK(out.lines.empty());
     CHECK(out.section("grids_by_frame").empty());
-    out = removed({{block(0, 9, 1, "vel.x"), block(0, 9, 1, "vel.y"), block(0, 9, 1, "vel.z"), block(0, 9, 1, "heat")}}, {3, 2});
+    out = removed({{block(0, 9, 1, "vel.x"), block(0, 9, 1, "vel.y"), block(0, 9, 1, "vel.z"),
+                    block(0, 9, 1, "heat")}},
+                  {3, 2});
     CHECK(out.lines == Lines{"heat 10 x 4 x 4 -> 8 x 4 x 4, mass -20.0 %, highest 1.00 of before"});
     CHECK(out.section("grids").size() == 1);
 }

@@ -1,8 +1,8 @@
-#include "nodes/remap/finish/level_set.h"
-#include "nodes/remap/finish/finish.h"
-#include "nodes/remap/grid.h"
-#include "nodes/remap/voxels/blocks.h"
-#include "nodes/remap/voxels/seam_cells.h"
+#include "carve/remap/finish/level_set.h"
+#include "carve/remap/finish/finish.h"
+#include "carve/remap/grid.h"
+#include "carve/remap/voxels/blocks.h"
+#include "carve/remap/voxels/seam_cells.h"
 #include "tests/support/bent_lattices.h"
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
@@ -10,7 +10,6 @@
 #include "tests/support/wavy_seams.h"
 
 #include <openvdb/tools/LevelSetSphere.h>
-
 #include <tbb/task_arena.h>
 #include <catch2/catch.hpp>
 
@@ -28,7 +27,8 @@ constexpr float band = 3;
 /// A level set of a ball in voxels of 1: beyond the band inactive, outside `band`, inside `-band`.
 template <class Grid = FloatGrid>
 typename Grid::Ptr ball(const Vec3d& centre, double radius) {
-    const auto out = openvdb::tools::createLevelSetSphere<Grid>(static_cast<float>(radius), openvdb::Vec3f(centre), 1.0f, band);
+    const auto out = openvdb::tools::createLevelSetSphere<Grid>(static_cast<float>(radius),
+                                                                openvdb::Vec3f(centre), 1.0f, band);
     out->setName("surface");
     return out;
 }
@@ -36,12 +36,15 @@ typename Grid::Ptr ball(const Vec3d& centre, double radius) {
 struct Result {
     FloatGrid::ConstPtr carved, got;
 };
-Result carve_level_set(const FloatGrid::ConstPtr& grid, const Lattice& lattice, const CarveMap& map, std::optional<bool> renormalize = {}) {
-    const auto source = volume_of(grid), carved = carve_volume(source, lattice, map, Interpolation::linear);
+Result carve_level_set(const FloatGrid::ConstPtr& grid, const Lattice& lattice, const CarveMap& map,
+                       std::optional<bool> renormalize = {}) {
+    const auto source = volume_of(grid),
+               carved = carve_volume(source, lattice, map, Interpolation::linear);
     Finish finish;
     finish.renormalize = renormalize;
     const auto got = finished(source, carved, lattice, map, finish);
-    return {openvdb::GridBase::grid<FloatGrid>(carved.grids[0]), openvdb::GridBase::grid<FloatGrid>(got.grids[0])};
+    return {openvdb::GridBase::grid<FloatGrid>(carved.grids[0]),
+            openvdb::GridBase::grid<FloatGrid>(got.grids[0])};
 }
 
 /// How far the gradients' lengths are from 1 near the surface, where all neighbours moved too.
@@ -56,7 +59,10 @@ Slopes slopes(const FloatGrid& grid, const Moved& moved) {
     for (auto voxel = grid.cbeginValueOn(); voxel; ++voxel) {
         if (std::abs(*voxel) > 1.8) continue;
         bool all = true;
-        for (auto near = CoordBBox(voxel.getCoord().offsetBy(-1), voxel.getCoord().offsetBy(1)).begin(); near; ++near) all = all && moved(*near);
+        for (auto near =
+                 CoordBBox(voxel.getCoord().offsetBy(-1), voxel.getCoord().offsetBy(1)).begin();
+             near; ++near)
+            all = all && moved(*near);
         if (!all) continue;
         Vec3d gradient;
         for (int axis = 0; axis < 3; ++axis) {
@@ -77,11 +83,14 @@ Slopes slopes(const FloatGrid& grid, const Moved& moved) {
 
 }  // namespace
 
-TEST_CASE("a level set carved through a bent or turned lattice is a distance again where it moved, and untouched elsewhere") {
+TEST_CASE(
+    "a level set carved through a bent or turned lattice is a distance again where it moved, and "
+    "untouched elsewhere") {
     const auto kind = GENERATE(Seams::Kind::remove, Seams::Kind::insert);
     const bool bent = GENERATE(false, true);
     const auto lattice =
-        bent ? ring(Vec3d(0), {50, 50, 200}, 1.0, Vec2d(-25, -25)) : turned(make_box(Vec3d(-35, -30, -30), {70, 60, 60}, 1.0, {0, 1, 2}), 0.35);
+        bent ? ring(Vec3d(0), {50, 50, 200}, 1.0, Vec2d(-25, -25))
+             : turned(make_box(Vec3d(-35, -30, -30), {70, 60, 60}, 1.0, {0, 1, 2}), 0.35);
     const Vec3d centre = bent ? Vec3d(ring_radius(200, 1), 0, 0) : Vec3d(0);
     const auto grid = ball(centre, 18);
     REQUIRE(!grid->tree().probeConstLeaf(Coord::round(centre)));
@@ -129,10 +138,12 @@ TEST_CASE("a level set carved through a bent or turned lattice is a distance aga
 TEST_CASE("beyond the seams a carved ball is the ball's other half, to a hundredth of a voxel") {
     const auto kind = GENERATE(Seams::Kind::remove, Seams::Kind::insert);
     const double angle = 0.35;
-    const auto lattice = turned(make_box(Vec3d(-35, -30, -30), {80, 60, 60}, 1.0, {0, 1, 2}), angle);
+    const auto lattice =
+        turned(make_box(Vec3d(-35, -30, -30), {80, 60, 60}, 1.0, {0, 1, 2}), angle);
     const auto map = map_of(lattice, {wavy_seams(lattice, Axis::u, kind, 33, 6, 0)});
     const auto got = carve_level_set(ball(Vec3d(0), 20), lattice, map).got;
-    const Vec3d u(std::cos(angle), std::sin(angle), 0), centre = (kind == Seams::Kind::remove ? -6.0 : 6.0) * u;
+    const Vec3d u(std::cos(angle), std::sin(angle), 0),
+        centre = (kind == Seams::Kind::remove ? -6.0 : 6.0) * u;
     int count = 0;
     for (auto voxel = got->cbeginValueOn(); voxel; ++voxel) {
         const auto from = voxel.getCoord().asVec3d() - centre;
@@ -170,7 +181,9 @@ TEST_CASE("what a carve cuts off gets a narrow band of its own") {
     int cut = 0, banded = 0, before = 0;
     for (auto at = CoordBBox(Coord(-25), Coord(25)).begin(); at; ++at) {
         const auto place = mapping.locate((*at).asVec3d());
-        if (!place || place->x() < 18 || place->x() > 24 || place->y() < 4 || place->y() > 16 || place->z() < 4 || place->z() > 16) continue;
+        if (!place || place->x() < 18 || place->x() > 24 || place->y() < 4 || place->y() > 16 ||
+            place->z() < 4 || place->z() > 16)
+            continue;
         before += carved->tree().isValueOn(*at);
         ++cut;
         // All but the cut behind vertex 21 is farther than the band.
@@ -185,7 +198,9 @@ TEST_CASE("what a carve cuts off gets a narrow band of its own") {
     CHECK(banded > cut / 2);
 }
 
-TEST_CASE("level sets that no seam changes, or that are left alone, stay the carve's, and what can't be renormalised is said") {
+TEST_CASE(
+    "level sets that no seam changes, or that are left alone, stay the carve's, and what can't be "
+    "renormalised is said") {
     const auto lattice = turned(make_box(Vec3d(-10), {20, 20, 20}, 1.0, {0, 1, 2}), 0.2);
     const auto map = map_of(lattice, {wavy_seams(lattice, Axis::u, Seams::Kind::remove, 9, 3, 1)});
     const auto far = FloatGrid::ConstPtr(ball(Vec3d(50, 0, 0), 10));
@@ -205,13 +220,15 @@ TEST_CASE("level sets that no seam changes, or that are left alone, stay the car
     const auto kept = carve_level_set(flat, lattice, map);
     CHECK(kept.got == kept.carved);
     CHECK(failure_of([&] { carve_level_set(flat, lattice, map, true); }) ==
-          "level set 'surface' can't be renormalized: its voxels are not cubes, or its background is not above 0");
+          "level set 'surface' can't be renormalized: its voxels are not cubes, or its background "
+          "is not above 0");
 }
 
 TEST_CASE("level sets of doubles are renormalised, the same by any number of threads") {
     const auto lattice = turned(make_box(Vec3d(-20), {40, 40, 40}, 1.0, {0, 1, 2}), 0.2);
     const auto map = map_of(lattice, {wavy_seams(lattice, Axis::u, Seams::Kind::insert, 24, 4, 1)});
-    const auto source = volume_of(ball<openvdb::DoubleGrid>(Vec3d(0), 12)), carved = carve_volume(source, lattice, map, Interpolation::linear);
+    const auto source = volume_of(ball<openvdb::DoubleGrid>(Vec3d(0), 12)),
+               carved = carve_volume(source, lattice, map, Interpolation::linear);
     Volume one, four;
     tbb::task_arena(1).execute([&] { one = finished(source, carved, lattice, map, {}); });
     tbb::task_arena(4).execute([&] { four = finished(source, carved, lattice, map, {}); });
@@ -220,5 +237,6 @@ TEST_CASE("level sets of doubles are renormalised, the same by any number of thr
     // Drawn out by 4: the far end of the ball and its band.
     const auto& got = static_cast<const openvdb::DoubleGrid&>(*one.grids[0].grid());
     const Vec3d end = 16.0 * Vec3d(std::cos(0.2), std::sin(0.2), 0);
-    CHECK(std::abs(got.tree().getValue(Coord::round(end)) - (Coord::round(end).asVec3d() - 4.0 / 16 * end).length() + 12) < 0.02);
+    CHECK(std::abs(got.tree().getValue(Coord::round(end)) -
+                   (Coord::round(end).asVec3d() - 4.0 / 16 * end).length() + 12) < 0.02);
 }

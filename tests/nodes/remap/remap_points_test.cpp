@@ -1,7 +1,8 @@
-#include "nodes/points/file.h"
-#include "nodes/remap/geometry/points.h"
-#include "nodes/remap/grid.h"
-#include "nodes/remap/points.h"
+#include "carve/remap/geometry/points.h"
+#include "carve/remap/grid.h"
+#include "formats/points_file/file.h"
+#include "nodes/remap.h"
+#include "tests/nodes/remap/remap_points_cases.h"
 #include "tests/support/bent_lattices.h"
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
@@ -21,14 +22,14 @@ using namespace fluidcarve::test;
 using openvdb::BBoxd;
 using openvdb::Vec2d;
 using openvdb::Vec3d;
-using Kind = Seams::Kind;
 
 namespace {
 
 /// METHOD 6 to the letter, for a point between vertices: where it goes along the carved axis.
 /// @param close  set if rounding may decide, or if both seams of a pair claim the point
 std::vector<double> places_by_definition(const Seams& seams, const Vec3d& at, bool& close) {
-    const double u = at[static_cast<int>(dimension(seams.axis))], lateral = at[static_cast<int>(lateral_dimension(seams.axis))],
+    const double u = at[static_cast<int>(dimension(seams.axis))],
+                 lateral = at[static_cast<int>(lateral_dimension(seams.axis))],
                  slice = at[static_cast<int>(slice_dimension(seams.axis))];
     const int j = static_cast<int>(lateral), k = static_cast<int>(slice);
     const double b = lateral - j, c = slice - k;
@@ -36,9 +37,12 @@ std::vector<double> places_by_definition(const Seams& seams, const Vec3d& at, bo
     const auto between = [&](const std::vector<Seams::Seam>& window, Kind kind) {
         std::vector<double> out(window.size());
         for (int n = 0; n < 4; ++n) {
-            const int column_j = std::min(j + (n & 1), seams.lateral() - 1), column_k = (k + (n >> 1)) % seams.slices();
+            const int column_j = std::min(j + (n & 1), seams.lateral() - 1),
+                      column_k = (k + (n >> 1)) % seams.slices();
             std::vector<int> entries;
-            for (const auto& seam : window) entries.push_back(seam.at[static_cast<std::size_t>(column_j + seams.lateral() * column_k)]);
+            for (const auto& seam : window)
+                entries.push_back(
+                    seam.at[static_cast<std::size_t>(column_j + seams.lateral() * column_k)]);
             if (kind == Kind::remove) {
                 std::vector<int> left, original;
                 for (int i = 0; i < seams.carved(); ++i) left.push_back(i);
@@ -49,7 +53,8 @@ std::vector<double> places_by_definition(const Seams& seams, const Vec3d& at, bo
                 entries = original;
             }
             std::sort(entries.begin(), entries.end());
-            for (std::size_t s = 0; s < out.size(); ++s) out[s] += (n & 1 ? b : 1 - b) * (n & 2 ? c : 1 - c) * entries[s];
+            for (std::size_t s = 0; s < out.size(); ++s)
+                out[s] += (n & 1 ? b : 1 - b) * (n & 2 ? c : 1 - c) * entries[s];
         }
         return out;
     };
@@ -58,7 +63,9 @@ std::vector<double> places_by_definition(const Seams& seams, const Vec3d& at, bo
     bool gone = false;
     const auto take = [&](const std::vector<Seams::Seam>& window, Kind kind) {
         for (const double s : between(window, kind)) {
-            const double off = kind == Kind::remove ? std::abs(u - s) - 0.5 : std::min(std::abs(u - s), std::abs(u - s - 1));
+            const double off = kind == Kind::remove
+                                   ? std::abs(u - s) - 0.5
+                                   : std::min(std::abs(u - s), std::abs(u - s - 1));
             close = close || std::abs(off) < 2e-5;
             if (kind == Kind::remove) {
                 gone = gone || std::abs(u - s) < 0.5;
@@ -94,22 +101,21 @@ std::vector<double> places_of(const CarveStep& step, const Vec3d& at) {
     return out;
 }
 
-CarvedPoints carve(const std::vector<Vec3d>& positions, const Lattice& lattice, const CarveMap& map, double jitter = 0) {
-    return carve_points(positions, points_at(positions).identities(), lattice, map, jitter);
-}
-
-/// How many points there are in each slice between whole numbers of u; what was on the rim counts below it.
+/// How many points there are in each slice between whole numbers of u; what was on the rim counts
+/// below it.
 std::map<int, int> counts_along_u(const CarvedPoints& carved, const std::vector<Vec3d>& positions) {
     std::map<int, int> out;
-    for (const auto& image : carved.images) ++out[static_cast<int>(std::floor((image.moved ? image.position : positions[image.source]).x() - rim_slack))];
+    for (const auto& image : carved.images)
+        ++out[static_cast<int>(
+            std::floor((image.moved ? image.position : positions[image.source]).x() - rim_slack))];
     return out;
 }
 
-const Lattice points_box = make_box(Vec3d(0), {30, 12, 14}, 1.0, {0, 1, 2});
-
 }  // namespace
 
-TEST_CASE("a point goes where the definition says, for any seams that are removed, inserted or paired, along u, v and w") {
+TEST_CASE(
+    "a point goes where the definition says, for any seams that are removed, inserted or paired, "
+    "along u, v and w") {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> unit(0, 1);
     const auto axis = GENERATE(Axis::u, Axis::v, Axis::w);
@@ -118,16 +124,19 @@ TEST_CASE("a point goes where the definition says, for any seams that are remove
     const auto lattice = make_box(Vec3d(0), vertex_of(axis, 24, 6, 7), 1.0, {0, 1, 2});
     int gone = 0, several = 0;
     for (int round = 0; round < 30; ++round) {
-        const auto seams =
-            paired ? random_pairs(random, lattice, lattice.shape, axis, kind, 5, {1}) : random_seams(random, lattice, lattice.shape, axis, kind, 6, {1});
+        const auto seams = paired
+                               ? random_pairs(random, lattice, lattice.shape, axis, kind, 5, {1})
+                               : random_seams(random, lattice, lattice.shape, axis, kind, 6, {1});
         const auto step = step_of(seams);
         for (int n = 0; n < 200; ++n) {
-            const auto at = Vec3d(unit(random), unit(random), unit(random)) * Vec3d(lattice.shape[0] - 1, lattice.shape[1] - 1, lattice.shape[2] - 1);
+            const auto at = Vec3d(unit(random), unit(random), unit(random)) *
+                            Vec3d(lattice.shape[0] - 1, lattice.shape[1] - 1, lattice.shape[2] - 1);
             bool close = false;
             const auto got = places_of(step, at), wanted = places_by_definition(seams, at, close);
             if (close) continue;
             REQUIRE(got.size() == wanted.size());
-            for (std::size_t p = 0; p < got.size(); ++p) REQUIRE(got[p] == Approx(wanted[p]).margin(1e-9));
+            for (std::size_t p = 0; p < got.size(); ++p)
+                REQUIRE(got[p] == Approx(wanted[p]).margin(1e-9));
             gone += got.empty();
             several += got.size() > 1;
         }
@@ -136,13 +145,18 @@ TEST_CASE("a point goes where the definition says, for any seams that are remove
     CHECK(several > (kind == Kind::insert || paired ? 500 : -1));
 }
 
-TEST_CASE("of points right on vertices, or half a vertex beside them, a seam takes or doubles one layer") {
+TEST_CASE(
+    "of points right on vertices, or half a vertex beside them, a seam takes or doubles one "
+    "layer") {
     const auto removed = step_of(straight_seams(points_box, Axis::u, Kind::remove, {10, 14}));
-    const auto places = [&](const CarveStep& step, double u) { return places_of(step, Vec3d(u, 3, 4)); };
+    const auto places = [&](const CarveStep& step, double u) {
+        return places_of(step, Vec3d(u, 3, 4));
+    };
     CHECK(places(removed, 9.5) == std::vector<double>{});
     CHECK(places(removed, 10) == std::vector<double>{});
     CHECK(places(removed, 10.5) == std::vector{9.5});
-    CHECK(places(removed, 15) == std::vector<double>{});  // the second seam, in the space that the first leaves
+    CHECK(places(removed, 15) ==
+          std::vector<double>{});  // the second seam, in the space that the first leaves
     CHECK(places(removed, 29) == std::vector{27.0});
     const auto inserted = step_of(straight_seams(points_box, Axis::u, Kind::insert, {10, 14}));
     CHECK(places(inserted, 10) == std::vector{10.0, 11.0});
@@ -152,7 +166,9 @@ TEST_CASE("of points right on vertices, or half a vertex beside them, a seam tak
     CHECK(places(inserted, 29) == std::vector{31.0});
 }
 
-TEST_CASE("density stays wherever particles lie: on vertices, half a vertex beside them, and a rounding error off") {
+TEST_CASE(
+    "density stays wherever particles lie: on vertices, half a vertex beside them, and a rounding "
+    "error off") {
     for (const double off : {0.0, 0.5, 1e-7, -1e-7, 0.5 + 1e-7, 0.5 - 1e-7, 0.25}) {
         std::vector<Vec3d> positions;
         for (int x = 0; x < 28; ++x)
@@ -162,7 +178,9 @@ TEST_CASE("density stays wherever particles lie: on vertices, half a vertex besi
             const auto seams = straight_seams(points_box, Axis::u, kind, {10, 14, 20});
             const auto carved = carve(positions, points_box, map_of(points_box, {seams}));
             std::map<long, int> layers;
-            for (const auto& image : carved.images) ++layers[std::lround(10 * ((image.moved ? image.position : positions[image.source]).x() - off))];
+            for (const auto& image : carved.images)
+                ++layers[std::lround(
+                    10 * ((image.moved ? image.position : positions[image.source]).x() - off))];
             INFO(off << " " << static_cast<int>(kind));
             CHECK(layers.size() == (kind == Kind::insert ? 31 : 25));
             for (const auto& [layer, count] : layers) CHECK(count == 64);
@@ -170,15 +188,20 @@ TEST_CASE("density stays wherever particles lie: on vertices, half a vertex besi
     }
 }
 
-TEST_CASE("where insertions extend the lattice they write over what was there, and beyond, nothing changes") {
+TEST_CASE(
+    "where insertions extend the lattice they write over what was there, and beyond, nothing "
+    "changes") {
     const auto inserted = step_of(straight_seams(points_box, Axis::u, Kind::insert, {3, 9, 12}));
     CHECK(places_of(inserted, Vec3d(29.01, 3, 4)).empty());
     CHECK(places_of(inserted, Vec3d(32, 3, 4)).empty());
     CHECK(places_of(inserted, Vec3d(32.01, 3, 4)) == std::vector{32.01});
     CHECK(places_of(inserted, Vec3d(31, 11.5, 4)) == std::vector{31.0});
 
-    const std::vector<Vec3d> positions{Vec3d(29.5, 3, 4), Vec3d(31.9, 3, 4), Vec3d(32.5, 3, 4), Vec3d(-0.1, 3, 4), Vec3d(29.5, -0.1, 4), Vec3d(29, 3, 13.1)};
-    const auto carved = carve(positions, points_box, map_of(points_box, {straight_seams(points_box, Axis::u, Kind::insert, {3, 9, 12})}));
+    const std::vector<Vec3d> positions{Vec3d(29.5, 3, 4), Vec3d(31.9, 3, 4),    Vec3d(32.5, 3, 4),
+                                       Vec3d(-0.1, 3, 4), Vec3d(29.5, -0.1, 4), Vec3d(29, 3, 13.1)};
+    const auto carved =
+        carve(positions, points_box,
+              map_of(points_box, {straight_seams(points_box, Axis::u, Kind::insert, {3, 9, 12})}));
     CHECK(carved.deleted == 2);
     CHECK(carved.moved == 0);
     CHECK(carved.copied == 0);
@@ -195,7 +218,9 @@ TEST_CASE("the density of uniformly random points stays what it is, in seams and
     // Beyond the lattice to the sides of u, so that nothing is special about its ends.
     const BBoxd around(Vec3d(-3, 0, 0), Vec3d(36, 11, 13));
     const auto positions = scattered(around, static_cast<std::size_t>(per_cell * 39 * 11 * 13), 5);
-    const auto carved = carve(positions, points_box, map_of(points_box, {wavy_seams(points_box, Axis::u, kind, 13, 6, 2.0)}), default_jitter);
+    const auto carved = carve(
+        positions, points_box,
+        map_of(points_box, {wavy_seams(points_box, Axis::u, kind, 13, 6, 2.0)}), default_jitter);
     const double slice = per_cell * 11 * 13;
     for (const auto& [u, count] : counts_along_u(carved, positions)) {
         INFO(u);
@@ -206,12 +231,14 @@ TEST_CASE("the density of uniformly random points stays what it is, in seams and
     // Cell by cell where the seams run, which a pile would show.
     std::map<std::array<int, 3>, int> cells;
     for (const auto& image : carved.images) {
-        const auto at = openvdb::Coord::floor(image.moved ? image.position : positions[image.source]);
+        const auto at =
+            openvdb::Coord::floor(image.moved ? image.position : positions[image.source]);
         if (at.x() >= 6 && at.x() < 22) ++cells[{at.x(), at.y(), at.z()}];
     }
     CHECK(cells.size() == 16 * 11 * 13);
     double variance = 0;
-    for (const auto& [at, count] : cells) variance += (count - per_cell) * (count - per_cell) / per_cell;
+    for (const auto& [at, count] : cells)
+        variance += (count - per_cell) * (count - per_cell) / per_cell;
     variance /= static_cast<double>(cells.size());
     // Copies follow their originals, so that theirs is no second draw: between one and two.
     CHECK(variance > 0.85);
@@ -222,13 +249,19 @@ TEST_CASE("a fade takes away and adds evenly less towards the rims, and keeps th
     const auto kind = GENERATE(Kind::remove, Kind::insert);
     const double per_cell = 100;
     const auto lattice = make_box(Vec3d(0), {30, 21, 21}, 1.0, {0, 1, 2});
-    const auto positions = scattered(BBoxd(Vec3d(-2, 0, 0), Vec3d(36, 20, 20)), static_cast<std::size_t>(per_cell * 38 * 20 * 20), 6);
-    auto map = map_of(lattice, {straight_seams(lattice, Axis::u, kind, kind == Kind::remove ? std::vector{12, 12, 12, 12} : std::vector{12, 13, 14, 15})});
+    const auto positions = scattered(BBoxd(Vec3d(-2, 0, 0), Vec3d(36, 20, 20)),
+                                     static_cast<std::size_t>(per_cell * 38 * 20 * 20), 6);
+    auto map =
+        map_of(lattice, {straight_seams(lattice, Axis::u, kind,
+                                        kind == Kind::remove ? std::vector{12, 12, 12, 12}
+                                                             : std::vector{12, 13, 14, 15})});
     map.fade(8);
     const auto carved = carve(positions, lattice, map);
-    std::map<std::array<int, 2>, int> cells;  // by v and u, over w in the middle, where only v fades
+    std::map<std::array<int, 2>, int>
+        cells;  // by v and u, over w in the middle, where only v fades
     for (const auto& image : carved.images) {
-        const auto at = openvdb::Coord::floor(image.moved ? image.position : positions[image.source]);
+        const auto at =
+            openvdb::Coord::floor(image.moved ? image.position : positions[image.source]);
         if (at.z() >= 8 && at.z() < 12) ++cells[{at.y(), at.x()}];
     }
     for (int v = 0; v < 20; ++v)
@@ -239,9 +272,13 @@ TEST_CASE("a fade takes away and adds evenly less towards the rims, and keeps th
     // At the rim nothing is lost or added; in the middle four entries are.
     const auto kept = [&](double low, double high) {
         int before = 0, after = 0;
-        const auto in = [&](const Vec3d& at) { return at.y() >= low && at.y() < high && at.z() >= 8 && at.z() < 12; };
+        const auto in = [&](const Vec3d& at) {
+            return at.y() >= low && at.y() < high && at.z() >= 8 && at.z() < 12;
+        };
         for (const auto& at : positions) before += in(at) && at.x() >= 0 && at.x() < 29;
-        for (const auto& image : carved.images) after += in(positions[image.source]) && positions[image.source].x() >= 0 && positions[image.source].x() < 29;
+        for (const auto& image : carved.images)
+            after += in(positions[image.source]) && positions[image.source].x() >= 0 &&
+                     positions[image.source].x() < 29;
         return static_cast<double>(after) / before;
     };
     const double whole = kind == Kind::remove ? 25 / 29.0 : 33 / 29.0;
@@ -264,7 +301,8 @@ TEST_CASE("right beside a rim a fading seam takes and adds no less than its widt
         };
         const auto are = [](const std::vector<double>& got, const std::vector<double>& wanted) {
             REQUIRE(got.size() == wanted.size());
-            for (std::size_t n = 0; n < got.size(); ++n) CHECK(got[n] == Approx(wanted[n]).margin(1e-6));
+            for (std::size_t n = 0; n < got.size(); ++n)
+                CHECK(got[n] == Approx(wanted[n]).margin(1e-6));
         };
         are(places(Kind::remove, -0.5), {-0.5});
         are(places(Kind::remove, 0.5), {});
@@ -275,10 +313,13 @@ TEST_CASE("right beside a rim a fading seam takes and adds no less than its widt
     }
 }
 
-TEST_CASE("in bent and closed lattices points outside stay, and the others move by whole vertices along u") {
+TEST_CASE(
+    "in bent and closed lattices points outside stay, and the others move by whole vertices along "
+    "u") {
     const auto kind = GENERATE(Kind::remove, Kind::insert);
     std::mt19937 random(11);
-    for (const auto& lattice : {ring(Vec3d(0.3, 0.2, 0.1), {20, 9, 120}, 0.25, Vec2d(-2, -1)), helix({16, 9, 90}, 0.3, 6, 1)}) {
+    for (const auto& lattice : {ring(Vec3d(0.3, 0.2, 0.1), {20, 9, 120}, 0.25, Vec2d(-2, -1)),
+                                helix({16, 9, 90}, 0.3, 6, 1)}) {
         const auto seams = wavy_seams(lattice, Axis::u, kind, 8, 3, 1.5);
         const auto map = map_of(lattice, {seams});
         const Mapping mapping(lattice, map.reach()), own(lattice);
@@ -286,7 +327,8 @@ TEST_CASE("in bent and closed lattices points outside stay, and the others move 
         const auto positions = scattered(around, 60000, 12);
         const auto carved = carve(positions, lattice, map);
         std::map<std::uint32_t, std::vector<Vec3d>> results;
-        for (const auto& image : carved.images) results[image.source].push_back(image.moved ? image.position : positions[image.source]);
+        for (const auto& image : carved.images)
+            results[image.source].push_back(image.moved ? image.position : positions[image.source]);
         int outside = 0, moved = 0, copied = 0, closing = 0;
         for (std::uint32_t n = 0; n < positions.size(); ++n) {
             const auto from = own.locate(positions[n]);
@@ -301,7 +343,9 @@ TEST_CASE("in bent and closed lattices points outside stay, and the others move 
             if (close) continue;
             REQUIRE(results[n].size() == wanted.size());
             for (std::size_t p = 0; p < wanted.size(); ++p) {
-                const auto to = positions[n] + mapping.position(Vec3d(wanted[p], from->y(), from->z())) - mapping.position(*from);
+                const auto to = positions[n] +
+                                mapping.position(Vec3d(wanted[p], from->y(), from->z())) -
+                                mapping.position(*from);
                 REQUIRE((results[n][p] - to).length() < 1e-9);
                 if (wanted[p] == from->x()) REQUIRE(results[n][p] == positions[n]);
                 ++(p == 0 ? moved : copied);
@@ -317,13 +361,17 @@ TEST_CASE("in bent and closed lattices points outside stay, and the others move 
 
 TEST_CASE("a chain is carved in its order, each step in the space that those before it leave") {
     std::mt19937 random(13);
-    const auto first = random_seams(random, points_box, points_box.shape, Axis::u, Kind::remove, 5, {1});
-    const auto second = random_seams(random, points_box, first.shape_after(5), Axis::v, Kind::insert, 3, {1});
-    const auto third = random_pairs(random, points_box, second.shape_after(3), Axis::u, Kind::insert, 4, {1});
+    const auto first =
+        random_seams(random, points_box, points_box.shape, Axis::u, Kind::remove, 5, {1});
+    const auto second =
+        random_seams(random, points_box, first.shape_after(5), Axis::v, Kind::insert, 3, {1});
+    const auto third =
+        random_pairs(random, points_box, second.shape_after(3), Axis::u, Kind::insert, 4, {1});
     const auto positions = scattered(BBoxd(Vec3d(0), Vec3d(29, 11, 13)), 20000, 14);
     const auto carved = carve(positions, points_box, map_of(points_box, {first, second, third}));
     std::map<std::uint32_t, std::vector<Vec3d>> results;
-    for (const auto& image : carved.images) results[image.source].push_back(image.moved ? image.position : positions[image.source]);
+    for (const auto& image : carved.images)
+        results[image.source].push_back(image.moved ? image.position : positions[image.source]);
     for (std::uint32_t n = 0; n < positions.size(); ++n) {
         std::vector<Vec3d> wanted{positions[n]};
         bool close = false;
@@ -338,150 +386,11 @@ TEST_CASE("a chain is carved in its order, each step in the space that those bef
         }
         if (close) continue;
         REQUIRE(results[n].size() == wanted.size());
-        for (std::size_t p = 0; p < wanted.size(); ++p) REQUIRE((results[n][p] - wanted[p]).length() < 1e-9);
+        for (std::size_t p = 0; p < wanted.size(); ++p)
+            REQUIRE((results[n][p] - wanted[p]).length() < 1e-9);
     }
     CHECK(carved.copied > 1000);
     CHECK(carved.deleted > 1000);
     // Also where a step takes a point whose copy stays.
     CHECK(carved.images.size() == positions.size() - carved.deleted + carved.copied);
-}
-
-TEST_CASE("copies stand off by their point's id alone, and by no more than the jitter") {
-    const auto map = map_of(points_box, {straight_seams(points_box, Axis::u, Kind::insert, {10})});
-    auto positions = scattered(BBoxd(Vec3d(10.05, 2, 2), Vec3d(10.95, 10, 11)), 500, 15);
-    const auto identities = points_at(positions).identities();
-    const auto copies = [&](const std::vector<Vec3d>& at, const std::vector<std::uint64_t>& ids, double jitter) {
-        std::map<std::uint64_t, Vec3d> out;
-        for (const auto& image : carve_points(at, ids, points_box, map, jitter).images)
-            if (image.moved) out[ids[image.source]] = image.position - at[image.source];
-        return out;
-    };
-    const auto exact = copies(positions, identities, 0), off = copies(positions, identities, 0.25);
-    REQUIRE(off.size() == 500);
-    int far = 0;
-    Vec3d mean(0);
-    for (const auto& [id, by] : off) {
-        REQUIRE((exact.at(id) - Vec3d(1, 0, 0)).length() < 1e-12);
-        const auto from = by - Vec3d(1, 0, 0);
-        for (int c = 0; c < 3; ++c) REQUIRE(std::abs(from[c]) <= 0.25);
-        far += from.length() > 0.1;
-        mean += from / 500;
-    }
-    CHECK(far > 350);
-    CHECK(mean.length() < 0.03);
-
-    // The same points a little later, and in another order.
-    auto later = positions;
-    auto ids = identities;
-    for (auto& at : later) at += Vec3d(0, 0.3, -0.2);
-    std::reverse(later.begin(), later.end());
-    std::reverse(ids.begin(), ids.end());
-    for (const auto& [id, by] : copies(later, ids, 0.25))
-        if (std::abs(off.at(id).x() - 1) < 0.04) CHECK((by - off.at(id)).length() < 1e-9);
-}
-
-TEST_CASE("points of both kinds of file carve alike, and without seams they are the very same, and threads change nothing") {
-    const auto positions = scattered(BBoxd(Vec3d(-2, -2, -2), Vec3d(33, 13, 15)), 30000, 16);
-    const auto list = points_at(positions), grid = in_vdb(list);
-    const auto lattice = std::make_shared<Lattice>(points_box);
-    const auto set = [&](const Seams& seams) { return Payload(std::make_shared<Seams>(seams)); };
-    NodeBench node(remap_points());
-    const auto run = [&](const Points& points, const Seams& seams) {
-        return node.run({{"source", {Payload(std::make_shared<Points>(points))}}, {"lattice", {Payload(lattice)}}, {"seams", {set(seams)}}})
-            .at("points")
-            .as<Points>();
-    };
-    const auto none = run(grid, straight_seams(points_box, Axis::u, Kind::remove, {}));
-    CHECK(none->grid == grid.grid);
-    CHECK(run(list, straight_seams(points_box, Axis::u, Kind::remove, {}))->ply == list.ply);
-
-    std::mt19937 random(17);
-    const auto seams = random_pairs(random, points_box, points_box.shape, Axis::u, Kind::insert, 4, {1});
-    const auto a = run(list, seams), b = run(grid, seams);
-    REQUIRE(a->size() == b->size());
-    CHECK(a->size() != positions.size());
-    const auto by_id = [](const Points& points) {
-        std::multimap<std::uint64_t, Vec3d> out;
-        const auto ids = points.identities();
-        const auto at = points.positions();
-        for (std::size_t n = 0; n < ids.size(); ++n) out.emplace(ids[n], at[n]);
-        return out;
-    };
-    const auto in_list = by_id(*a), in_grid = by_id(*b);
-    for (std::uint64_t id = 0; id < positions.size(); ++id) {
-        REQUIRE(in_list.count(id) == in_grid.count(id));
-        Vec3d sum(0);
-        for (auto [at, end] = in_list.equal_range(id); at != end; ++at) sum += at->second;
-        for (auto [at, end] = in_grid.equal_range(id); at != end; ++at) sum -= at->second;
-        REQUIRE(sum.length() < 1e-6);
-    }
-    tbb::task_arena one(1);
-    std::shared_ptr<const Points> alone;
-    one.execute([&] { alone = run(grid, seams); });
-    CHECK(bytes(alone->grid->constBaseTree()) == bytes(b->grid->constBaseTree()));
-    CHECK(bytes(carve_grid(grid.grid, points_box, map_of(points_box, {seams}), Interpolation::linear)->constBaseTree()) == bytes(b->grid->constBaseTree()));
-}
-
-TEST_CASE("points that a carve does not reach keep every bit, in leaves that change too") {
-    // Far from the origin, where the arithmetic of a move and back would show.
-    const auto lattice = make_box(Vec3d(1000.1, 0, 0), {30, 12, 14}, 1.0, {0, 1, 2});
-    const auto positions = scattered(BBoxd(Vec3d(1000, 0, 0), Vec3d(1030, 11, 13)), 20000, 18);
-    const auto grid = in_vdb(points_at(positions));
-    const auto map = map_of(lattice, {straight_seams(lattice, Axis::u, Kind::remove, {12})});
-    const auto carved = carve_points(grid.positions(), grid.identities(), lattice, map, 0);
-    const auto out = with_images(grid, carved.images);
-    std::map<std::uint64_t, Vec3d> was;
-    const auto ids = grid.identities();
-    const auto at = grid.positions();
-    for (std::size_t n = 0; n < ids.size(); ++n) was[ids[n]] = at[n];
-    const auto new_ids = out.identities();
-    const auto new_at = out.positions();
-    int same = 0;
-    for (std::size_t n = 0; n < new_ids.size(); ++n) {
-        if (was.at(new_ids[n]).x() > 1011.6) continue;
-        ++same;
-        REQUIRE(new_at[n] == was.at(new_ids[n]));
-    }
-    CHECK(same > 5000);
-    CHECK(out.size() == positions.size() - carved.deleted);
-}
-
-TEST_CASE("the report counts what became of the points, frame by frame, and seams that move need points that do") {
-    struct Told : Context::Host {
-        nlohmann::ordered_json entry;
-        void report(const std::string& section, const nlohmann::ordered_json& told) override {
-            CHECK(section == "points");
-            entry.update(told);
-        }
-    } told;
-    const std::vector<int> frames{41, 42};
-    const auto lattice = std::make_shared<Lattice>(points_box);
-    auto seams = straight_seams(points_box, Axis::u, Kind::remove, {10}, frames);
-    const auto entries = seams.seams[0].at.all();
-    std::fill(entries.begin() + static_cast<std::ptrdiff_t>(seams.columns_per_frame()), entries.end(), std::uint16_t{20});
-    const auto points = points_at({Vec3d(5, 5, 5), Vec3d(10.2, 5, 5), Vec3d(15, 5, 5), Vec3d(20.2, 5, 5), Vec3d(25, 5, 5)});
-    NodeBench node(remap_points());
-    const NodeBench::Inputs inputs{
-        {"source", {Payload(std::make_shared<Points>(points))}}, {"lattice", {Payload(lattice)}}, {"seams", {Payload(std::make_shared<Seams>(seams))}}};
-    CHECK(node.run(inputs, Context(told, frames).at(0)).at("points").as<Points>()->positions() ==
-          std::vector{Vec3d(5, 5, 5), Vec3d(14, 5, 5), Vec3d(19.2, 5, 5), Vec3d(24, 5, 5)});
-    CHECK(node.run(inputs, Context(told, frames).at(1)).at("points").as<Points>()->positions() ==
-          std::vector{Vec3d(5, 5, 5), Vec3d(10.2, 5, 5), Vec3d(15, 5, 5), Vec3d(24, 5, 5)});
-    CHECK(told.entry.dump() == R"({"41":{"points":5,"moved":3,"deleted":1,"copied":0},"42":{"points":5,"moved":1,"deleted":1,"copied":0}})");
-    CHECK(failure_of([&] { node.run(inputs, Context(told, frames)); }) ==
-          "the source is one file for all frames, but the seams change from frame to frame; read it by a path with a frame token");
-}
-
-TEST_CASE("a volume with points is carved whole") {
-    const auto river = read_points(std::string(TEST_DATA) + "/river/river.0043.vdb", "", PointOffset::detect, {});
-    const auto lattice = make_box(river.grid->indexToWorld(Vec3d(42, 6, 4)), {20, 36, 10}, 0.0625, {0, 1, 2});
-    const auto map = map_of(lattice, {wavy_seams(lattice, Axis::v, Kind::remove, 14, 5, 1.0)});
-    Volume volume;
-    volume.grids = {river.grid};
-    const auto carved = carve_volume(volume, lattice, map, Interpolation::linear);
-    const auto counts = carve_points(river.positions(), river.identities(), lattice, map, default_jitter);
-    CHECK(point_count(*carved.grids[0].grid()) == river.size() - counts.deleted);
-    CHECK(counts.deleted > 500);
-    CHECK(carved.grids[0]->transform() == river.grid->transform());
-    CHECK(kept_metadata(*carved.grids[0].grid()) == kept_metadata(*river.grid));
 }

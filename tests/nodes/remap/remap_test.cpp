@@ -1,8 +1,9 @@
-#include "nodes/io/raw_grid.h"
-#include "nodes/lattice/alignment.h"
-#include "nodes/lattice/lattice.h"
-#include "nodes/remap/grid.h"
-#include "nodes/remap/grids.h"
+#include "nodes/remap.h"
+#include "carve/lattice/alignment.h"
+#include "carve/lattice/lattice.h"
+#include "carve/remap/grid.h"
+#include "carve/stream/raw_grid.h"
+#include "tests/nodes/remap/remap_cases.h"
 #include "tests/support/carved.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/reference_carve.h"
@@ -24,7 +25,8 @@ template <class T>
 T random_value(std::mt19937& random) {
     if constexpr (std::is_same_v<T, bool>) return random() % 2 == 0;
     else if constexpr (openvdb::VecTraits<T>::IsVec)
-        return T(static_cast<int>(random() % 1000), static_cast<int>(random() % 1000), static_cast<int>(random() % 1000));
+        return T(static_cast<int>(random() % 1000), static_cast<int>(random() % 1000),
+                 static_cast<int>(random() % 1000));
     else return T(random() % 1000) / T(std::is_floating_point_v<T> ? 7 : 1);
 }
 
@@ -32,7 +34,8 @@ T random_value(std::mt19937& random) {
 template <class Grid>
 typename Grid::Ptr random_grid(std::mt19937& random) {
     using T = typename Grid::ValueType;
-    const auto grid = Grid::create(std::is_same_v<T, bool> ? openvdb::zeroVal<T>() : random_value<T>(random));
+    const auto grid =
+        Grid::create(std::is_same_v<T, bool> ? openvdb::zeroVal<T>() : random_value<T>(random));
     grid->setName("random");
     auto& tree = grid->tree();
     constexpr bool mask = std::is_same_v<typename Grid::BuildType, openvdb::ValueMask>;
@@ -49,7 +52,8 @@ typename Grid::Ptr random_grid(std::mt19937& random) {
     return grid;
 }
 
-/// A lattice on the voxels of a grid, mirrored and turned by quarters as it likes, and where its vertices are.
+/// A lattice on the voxels of a grid, mirrored and turned by quarters as it likes, and where its
+/// vertices are.
 struct OnVoxels {
     Lattice lattice;
     Layout layout;
@@ -58,7 +62,8 @@ struct OnVoxels {
     explicit OnVoxels(std::mt19937& random) {
         std::array<int, 3> axes{0, 1, 2};
         std::shuffle(axes.begin(), axes.end(), random);
-        std::array<int, 3> shape{6 + below(random, 25), 6 + below(random, 25), 1 + below(random, 12)};
+        std::array<int, 3> shape{6 + below(random, 25), 6 + below(random, 25),
+                                 1 + below(random, 12)};
         const double voxel = random() % 2 == 0 ? 0.25 : 0.1;
         const Vec3d sign(random() % 4 == 0 ? -1 : 1, random() % 4 == 0 ? -1 : 1, 1);
         auto matrix = openvdb::Mat4d::identity();
@@ -67,7 +72,8 @@ struct OnVoxels {
             matrix(3, n) = 0.37 * n;
         }
         transform = openvdb::math::Transform::createLinearTransform(matrix);
-        layout.origin = Coord(below(random, 40) - 30, below(random, 40) - 30, below(random, 40) - 30);
+        layout.origin =
+            Coord(below(random, 40) - 30, below(random, 40) - 30, below(random, 40) - 30);
         for (std::size_t n = 0; n < 3; ++n) {
             layout.step[n] = Coord(0);
             layout.step[n][axes[n]] = static_cast<int>(sign[axes[n]]);
@@ -79,7 +85,9 @@ struct OnVoxels {
 template <class T>
 bool same(const Dense<T>& a, const Dense<T>& b) {
     for (std::size_t n = 0; n < a.voxels.size(); ++n)
-        if (a.voxels[n].on != b.voxels[n].on || std::memcmp(&a.voxels[n].value, &b.voxels[n].value, sizeof(T)) != 0) return false;
+        if (a.voxels[n].on != b.voxels[n].on ||
+            std::memcmp(&a.voxels[n].value, &b.voxels[n].value, sizeof(T)) != 0)
+            return false;
     return true;
 }
 
@@ -91,29 +99,20 @@ CoordBBox around(const Layout& layout, const std::array<int, 3>& reach) {
     return out;
 }
 
-CarveMap map_of_count(const Lattice& lattice, const Seams& seams, std::optional<std::size_t> count = {}) {
-    return {lattice, {std::make_shared<Seams>(seams)}, seams.frames.front(), count};
-}
-
-FloatGrid::Ptr dense_grid(const CoordBBox& box, const openvdb::math::Transform::Ptr& transform, const std::function<float(const Coord&)>& value) {
-    const auto out = FloatGrid::create();
-    out->setTransform(transform);
-    auto values = out->getAccessor();
-    for (auto at = box.begin(); at; ++at) values.setValueOn(*at, value(*at));
-    return out;
-}
-
 }  // namespace
 
-TEMPLATE_TEST_CASE("on the voxels, carving is classical seam carving bit for bit", "", openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid,
-                   openvdb::Int64Grid, openvdb::BoolGrid, openvdb::MaskGrid, openvdb::Vec3SGrid, openvdb::Vec3DGrid, openvdb::Vec3IGrid) {
+TEMPLATE_TEST_CASE("on the voxels, carving is classical seam carving bit for bit", "",
+                   openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,
+                   openvdb::BoolGrid, openvdb::MaskGrid, openvdb::Vec3SGrid, openvdb::Vec3DGrid,
+                   openvdb::Vec3IGrid) {
     using T = typename TestType::ValueType;
     using Voxel = typename Dense<T>::Voxel;
     constexpr bool mask = std::is_same_v<typename TestType::BuildType, openvdb::ValueMask>;
     const auto mean = [](const Voxel& a, const Voxel& b) {
         if constexpr (mask) return a;
         else if constexpr (std::is_floating_point_v<typename openvdb::VecTraits<T>::ElementType>)
-            return Voxel{T((a.value + b.value) / typename openvdb::VecTraits<T>::ElementType(2)), a.on || b.on};
+            return Voxel{T((a.value + b.value) / typename openvdb::VecTraits<T>::ElementType(2)),
+                         a.on || b.on};
         else return Voxel{a.value, a.on || b.on};
     };
     std::mt19937 random(7);
@@ -130,14 +129,18 @@ TEMPLATE_TEST_CASE("on the voxels, carving is classical seam carving bit for bit
             const auto axis = static_cast<Axis>(random() % (shape[2] > 2 ? 3 : 2));
             const int room = shape[dimension(axis)];
             const auto kind = random() % 2 == 0 ? Seams::Kind::remove : Seams::Kind::insert;
-            sets.push_back(std::make_shared<Seams>(random_seams(random, place.lattice, shape, axis, kind, below(random, std::min(room - 1, 12)), {3, 4})));
+            sets.push_back(std::make_shared<Seams>(
+                random_seams(random, place.lattice, shape, axis, kind,
+                             below(random, std::min(room - 1, 12)), {3, 4})));
             shape = sets.back()->shape_after(sets.back()->seams.size());
         }
         const auto count = sets.back()->seams.size() / (1 + random() % 2);
         const CarveMap map(place.lattice, sets, 4, count);
         const auto box = around(place.layout, map.reach());
         Dense<T> want(*grid, box);
-        for (const auto& set : sets) carve(want, place.layout, *set, 1, set == sets.back() ? count : set->seams.size(), grid->background(), mean);
+        for (const auto& set : sets)
+            carve(want, place.layout, *set, 1, set == sets.back() ? count : set->seams.size(),
+                  grid->background(), mean);
 
         const auto got = carved<TestType>(grid, place.lattice, map);
         INFO("case " << n << ", " << length << " sets");
@@ -153,13 +156,19 @@ TEST_CASE("without seams, and where seams change nothing, the grid itself comes 
     const OnVoxels place(random);
     const auto grid = random_grid<FloatGrid>(random);
     grid->setTransform(place.transform);
-    CHECK(carve_grid(grid, place.lattice, map_of_count(place.lattice, straight_seams(place.lattice, Axis::u, Seams::Kind::remove, {})),
+    CHECK(carve_grid(grid, place.lattice,
+                     map_of_count(place.lattice,
+                                  straight_seams(place.lattice, Axis::u, Seams::Kind::remove, {})),
                      Interpolation::linear) == grid);
-    CHECK(carve_grid(grid, place.lattice, map_of_count(place.lattice, straight_seams(place.lattice, Axis::u, Seams::Kind::remove, {2, 3}), 0),
-                     Interpolation::linear) == grid);
+    CHECK(carve_grid(
+              grid, place.lattice,
+              map_of_count(place.lattice,
+                           straight_seams(place.lattice, Axis::u, Seams::Kind::remove, {2, 3}), 0),
+              Interpolation::linear) == grid);
 
     const FloatGrid::ConstPtr flat = FloatGrid::create(0.5f);
-    const auto map = map_of_count(place.lattice, straight_seams(place.lattice, Axis::v, Seams::Kind::insert, {2, 3}));
+    const auto map = map_of_count(
+        place.lattice, straight_seams(place.lattice, Axis::v, Seams::Kind::insert, {2, 3}));
     CHECK(carve_grid(flat, place.lattice, map, Interpolation::linear) == flat);
 }
 
@@ -168,7 +177,8 @@ TEST_CASE("tiles that nothing changes stay tiles") {
     const auto grid = FloatGrid::create();
     grid->tree().addTile(2, Coord(0, 0, 0), 2.0f, true);
     grid->tree().addTile(2, Coord(0, 128, 0), 3.0f, false);
-    const auto map = map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {40, 41, 42}));
+    const auto map =
+        map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {40, 41, 42}));
     const auto got = carved<FloatGrid>(grid, lattice, map);
     // Only the ends of the two tiles along u move, by three voxels: a layer of 16 x 16 blocks each.
     CHECK(got->tree().leafCount() == 2 * 16 * 16);
@@ -177,16 +187,19 @@ TEST_CASE("tiles that nothing changes stay tiles") {
     CHECK(got->tree().getValue(Coord(125, 5, 5)) == 0.0f);
     CHECK(got->tree().getValue(Coord(124, 130, 5)) == 3.0f);
 
-    const auto emptied =
-        carved<FloatGrid>(grid, lattice, map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, std::vector<int>(256, 0))));
+    const auto emptied = carved<FloatGrid>(
+        grid, lattice,
+        map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove,
+                                             std::vector<int>(256, 0))));
     CHECK(emptied->tree().leafCount() == 0);
     CHECK(emptied->activeVoxelCount() == 0);
 }
 
 TEST_CASE("leaves and tiles of all levels that lie beside the lattice stay as they were") {
     const auto lattice = make_box(Vec3d(0), {8, 8, 8}, 1.0, {0, 1, 2});
-    const auto grid =
-        dense_grid(CoordBBox(Coord(0), Coord(7)), openvdb::math::Transform::createLinearTransform(1.0), [](const Coord& at) { return float(at.x()); });
+    const auto grid = dense_grid(CoordBBox(Coord(0), Coord(7)),
+                                 openvdb::math::Transform::createLinearTransform(1.0),
+                                 [](const Coord& at) { return float(at.x()); });
     auto& tree = grid->tree();
     for (const bool on : {true, false}) {
         const int y = on ? 0 : 64;
@@ -195,10 +208,13 @@ TEST_CASE("leaves and tiles of all levels that lie beside the lattice stay as th
         tree.addTile(2, {128, 2 * y, 0}, 3.0f, on);
         tree.addTile(3, {4096, 64 * y, 0}, 4.0f, on);
     }
-    const auto got = carved<FloatGrid>(grid, lattice, map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {3})));
+    const auto got = carved<FloatGrid>(
+        grid, lattice,
+        map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {3})));
     REQUIRE(got != grid);
     for (const int y : {0, 64})
-        for (const Coord& at : {Coord(40, y, 0), Coord(41, y, 0), Coord(64, y, 0), Coord(128, 2 * y, 0), Coord(4096, 64 * y, 0)}) {
+        for (const Coord& at : {Coord(40, y, 0), Coord(41, y, 0), Coord(64, y, 0),
+                                Coord(128, 2 * y, 0), Coord(4096, 64 * y, 0)}) {
             INFO(at);
             CHECK(got->tree().getValue(at) == tree.getValue(at));
             CHECK(got->tree().isValueOn(at) == tree.isValueOn(at));
@@ -208,11 +224,14 @@ TEST_CASE("leaves and tiles of all levels that lie beside the lattice stay as th
 
 TEST_CASE("an output keeps all metadata of its grid, the half flag too") {
     const auto lattice = make_box(Vec3d(0), {8, 8, 8}, 1.0, {0, 1, 2});
-    const auto grid =
-        dense_grid(CoordBBox(Coord(0), Coord(7)), openvdb::math::Transform::createLinearTransform(1.0), [](const Coord& at) { return float(at.x()); });
+    const auto grid = dense_grid(CoordBBox(Coord(0), Coord(7)),
+                                 openvdb::math::Transform::createLinearTransform(1.0),
+                                 [](const Coord& at) { return float(at.x()); });
     grid->setSaveFloatAsHalf(true);
     grid->insertMeta("of the house", openvdb::StringMetadata("yes"));
-    const auto got = carved<FloatGrid>(grid, lattice, map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {3})));
+    const auto got = carved<FloatGrid>(
+        grid, lattice,
+        map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {3})));
     CHECK(got != grid);
     CHECK(got->saveFloatAsHalf());
     CHECK(got->metaValue<std::string>("of the house") == "yes");
@@ -223,14 +242,18 @@ TEST_CASE("an output keeps all metadata of its grid, the half flag too") {
 TEST_CASE("between the voxels, a linear field is carved without error") {
     // Vertices stand between the voxels, then twice as dense as they, then turned about an axis.
     const int variant = GENERATE(0, 1, 2);
-    const auto interpolation = GENERATE(Interpolation::linear, Interpolation::quadratic, Interpolation::cubic);
+    const auto interpolation =
+        GENERATE(Interpolation::linear, Interpolation::quadratic, Interpolation::cubic);
     auto transform = openvdb::math::Transform::createLinearTransform(variant == 1 ? 0.5 : 0.25);
     if (variant == 0) transform->postTranslate(Vec3d(0.125, 0.125, 0.05));
     if (variant == 2) transform->preRotate(0.3, openvdb::math::Z_AXIS);
     const Vec3d slope(1, -0.5, 0.25);
-    const auto grid = dense_grid(CoordBBox(Coord(-12), Coord(24)), transform, [&](const Coord& at) { return float(slope.dot(transform->indexToWorld(at))); });
+    const auto grid = dense_grid(CoordBBox(Coord(-12), Coord(24)), transform, [&](const Coord& at) {
+        return float(slope.dot(transform->indexToWorld(at)));
+    });
     const auto lattice = make_box(Vec3d(0), {13, 9, 7}, 0.25, {0, 1, 2});
-    const auto map = map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {5, 5}));
+    const auto map =
+        map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {5, 5}));
     const auto got = carved<FloatGrid>(grid, lattice, map, interpolation);
 
     const Mapping mapping(lattice);
@@ -248,7 +271,9 @@ TEST_CASE("between the voxels, a linear field is carved without error") {
             CHECK(!got->tree().isValueOn(voxel.getCoord()));
         } else {
             ++moved;
-            const double shift = l->x() >= 5 ? 2 : 2 * (l->x() - 4);  // values are interpolated across the seam's cell
+            const double shift =
+                l->x() >= 5 ? 2
+                            : 2 * (l->x() - 4);  // values are interpolated across the seam's cell
             CHECK(value == Approx(slope.dot(p + Vec3d(0.25 * shift, 0, 0))).margin(1e-4));
         }
     }
@@ -267,11 +292,13 @@ TEST_CASE("a step that is removed in a turned lattice does not shine through") {
         const double u = transform->indexToWorld(at).x();
         return u > 14.5 && u < 24.5 ? 1.0f : 0.0f;
     });
-    const auto map = map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, std::vector<int>(12, 13)));
+    const auto map = map_of_count(
+        lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, std::vector<int>(12, 13)));
     const auto got = carved<FloatGrid>(grid, lattice, map);
     int shining = 0;
     for (auto voxel = got->cbeginValueOn(); voxel; ++voxel)
-        if (const auto l = mapping.locate(got->indexToWorld(voxel.getCoord())); l && l->x() < 27) shining += *voxel > 0.5f;
+        if (const auto l = mapping.locate(got->indexToWorld(voxel.getCoord())); l && l->x() < 27)
+            shining += *voxel > 0.5f;
     CHECK(shining == 0);
 }
 
@@ -279,7 +306,10 @@ TEST_CASE("a freed end is cleared inside a tile, between the voxels too") {
     const auto grid = FloatGrid::create();
     grid->tree().addTile(2, Coord(0), 2.0f, true);
     const auto lattice = make_box(Vec3d(0.5, 0.5, 0.5), {120, 120, 120}, 1.0, {0, 1, 2});
-    const auto got = carved<FloatGrid>(grid, lattice, map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, std::vector<int>(10, 40))));
+    const auto got = carved<FloatGrid>(
+        grid, lattice,
+        map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove,
+                                             std::vector<int>(10, 40))));
     CHECK(got->tree().getValue(Coord(109, 60, 60)) == 2.0f);
     CHECK(got->tree().getValue(Coord(110, 60, 60)) == 0.0f);
     CHECK(got->tree().getValue(Coord(119, 60, 60)) == 0.0f);
@@ -296,24 +326,30 @@ TEST_CASE("sampling where vertices are voxels gives what copying gives") {
         grid->setTransform(place.transform);
         SeamList sets;
         sets.push_back(std::make_shared<Seams>(
-            random_seams(random, place.lattice, place.lattice.shape, Axis::u, n % 2 ? Seams::Kind::remove : Seams::Kind::insert, 1 + n % 5, {1})));
-        sets.push_back(std::make_shared<Seams>(random_seams(random, place.lattice, sets[0]->shape_after(sets[0]->seams.size()), Axis::v,
-                                                            n % 3 ? Seams::Kind::remove : Seams::Kind::insert, 2, {1})));
+            random_seams(random, place.lattice, place.lattice.shape, Axis::u,
+                         n % 2 ? Seams::Kind::remove : Seams::Kind::insert, 1 + n % 5, {1})));
+        sets.push_back(std::make_shared<Seams>(
+            random_seams(random, place.lattice, sets[0]->shape_after(sets[0]->seams.size()),
+                         Axis::v, n % 3 ? Seams::Kind::remove : Seams::Kind::insert, 2, {1})));
         const CarveMap map(place.lattice, sets, 1, {});
         const auto copied = carved<FloatGrid>(grid, place.lattice, map);
-        const auto sampled = carve_sampled<FloatGrid>(grid, Mapping(place.lattice, map.reach()), map, Interpolation::cubic);
+        const auto sampled = carve_sampled<FloatGrid>(grid, Mapping(place.lattice, map.reach()),
+                                                      map, Interpolation::cubic);
         const auto box = around(place.layout, map.reach());
         const Dense<float> a(*copied, box), b(*sampled, box);
         INFO("case " << n);
         bool equal = true;
         for (std::size_t v = 0; v < a.voxels.size(); ++v)
-            equal = equal && std::abs(a.voxels[v].value - b.voxels[v].value) <= 1e-4f && a.voxels[v].on == b.voxels[v].on;
+            equal = equal && std::abs(a.voxels[v].value - b.voxels[v].value) <= 1e-4f &&
+                    a.voxels[v].on == b.voxels[v].on;
         CHECK(equal);
     }
 }
 
-TEMPLATE_TEST_CASE("softly carved on the voxels, components of a staggered grid move from their faces as where the grid is sampled", "", openvdb::Vec3SGrid,
-                   openvdb::Vec3DGrid) {
+TEMPLATE_TEST_CASE(
+    "softly carved on the voxels, components of a staggered grid move from their faces as where "
+    "the grid is sampled",
+    "", openvdb::Vec3SGrid, openvdb::Vec3DGrid) {
     using T = typename TestType::ValueType;
     std::mt19937 random(9);
     int moved = 0;
@@ -322,26 +358,39 @@ TEMPLATE_TEST_CASE("softly carved on the voxels, components of a staggered grid 
         const auto grid = random_grid<TestType>(random);
         grid->setTransform(place.transform);
         grid->setGridClass(openvdb::GRID_STAGGERED);
-        const auto axis = n % 3 == 2 && place.lattice.shape[2] > 6 ? Axis::w : n % 2 ? Axis::u : Axis::v;
-        auto seams = random_seams(random, place.lattice, place.lattice.shape, axis, n % 4 < 2 ? Seams::Kind::remove : Seams::Kind::insert, 1 + n % 5, {1});
+        const auto axis = n % 3 == 2 && place.lattice.shape[2] > 6 ? Axis::w
+                          : n % 2                                  ? Axis::u
+                                                                   : Axis::v;
+        auto seams =
+            random_seams(random, place.lattice, place.lattice.shape, axis,
+                         n % 4 < 2 ? Seams::Kind::remove : Seams::Kind::insert, 1 + n % 5, {1});
         if (n % 3 == 0) {
             seams.anchor = {Anchor::At::high, 0};
             seams.find_shifts();
         }
         if (n % 6 == 1)
             seams = warped(
-                place.lattice, [](int entry, int lateral, int k, int) { return 0.2 * entry + 0.3 * std::sin(0.4 * lateral + k); }, axis);
-        const CarveMap map(place.lattice, {std::make_shared<Seams>(seams)}, 1, {}, {0.7 + n % 3, 0});
-        const auto lattice = on_voxels(map.extended(place.lattice), *align(map.extended(place.lattice), *place.transform), *place.transform);
+                place.lattice,
+                [](int entry, int lateral, int k, int) {
+                    return 0.2 * entry + 0.3 * std::sin(0.4 * lateral + k);
+                },
+                axis);
+        const CarveMap map(place.lattice, {std::make_shared<Seams>(seams)}, 1, {},
+                           {0.7 + n % 3, 0});
+        const auto lattice =
+            on_voxels(map.extended(place.lattice),
+                      *align(map.extended(place.lattice), *place.transform), *place.transform);
         const auto by_lines = carved<TestType>(grid, place.lattice, map);
-        const auto sampled = carve_sampled<TestType>(grid, Mapping(lattice, map.reach()), map, Interpolation::linear);
+        const auto sampled = carve_sampled<TestType>(grid, Mapping(lattice, map.reach()), map,
+                                                     Interpolation::linear);
         const auto box = around(place.layout, map.reach());
         const Dense<T> before(*grid, box), a(*by_lines, box), b(*sampled, box);
         INFO("case " << n);
         int different = 0;
         for (std::size_t v = 0; v < a.voxels.size(); ++v) {
             moved += a.voxels[v].value != before.voxels[v].value;
-            different += (a.voxels[v].value - b.voxels[v].value).length() > 0.01 || a.voxels[v].on != b.voxels[v].on;
+            different += (a.voxels[v].value - b.voxels[v].value).length() > 0.01 ||
+                         a.voxels[v].on != b.voxels[v].on;
         }
         CHECK(different == 0);
     }
@@ -352,85 +401,15 @@ TEST_CASE("a face at the end of what a warp leaves comes from the two faces arou
     const auto lattice = make_box(Vec3d(1, 0, 0), {42, 6, 6}, 1.0, {0, 1, 2});
     const auto grid = openvdb::Vec3SGrid::create();
     grid->setGridClass(openvdb::GRID_STAGGERED);
-    for (const auto& at : CoordBBox(Coord(-5, -2, -2), Coord(55, 8, 8))) grid->tree().setValueOn(at, openvdb::Vec3s(static_cast<float>(at.x()), 2, 3));
-    const auto warp = warped(lattice, [](int entry, int, int, int) { return std::clamp(0.2 * (20 - entry), -4.0, 4.0); });
+    for (const auto& at : CoordBBox(Coord(-5, -2, -2), Coord(55, 8, 8)))
+        grid->tree().setValueOn(at, openvdb::Vec3s(static_cast<float>(at.x()), 2, 3));
+    const auto warp = warped(lattice, [](int entry, int, int, int) {
+        return std::clamp(0.2 * (20 - entry), -4.0, 4.0);
+    });
     const CarveMap map(lattice, {std::make_shared<Seams>(warp)}, 1, {}, {1, 0});
     const auto out = carved<openvdb::Vec3SGrid>(grid, lattice, map);
-    // Vertex 37 holds what vertex 41, the last one, had. So does the face behind it, which has no place in the lattice to come from.
+    // Vertex 37 holds what vertex 41, the last one, had. So does the face behind it, which has no
+    // place in the lattice to come from.
     CHECK(out->tree().getValue(Coord(38, 3, 3)).x() == 42);
     CHECK(out->tree().getValue(Coord(39, 3, 3)).x() == 42.5f);
-}
-
-TEST_CASE("components of a staggered grid are carved at their faces") {
-    // The lattice is shifted along the seam's normal by half a voxel: x faces fall on vertices, centres between them.
-    const auto transform = openvdb::math::Transform::createLinearTransform(1.0);
-    const auto grid = VectorGrid::create();
-    grid->setTransform(transform);
-    grid->setGridClass(openvdb::GRID_STAGGERED);
-    auto values = grid->getAccessor();
-    for (auto at = CoordBBox(Coord(0), Coord(15)).begin(); at; ++at) values.setValueOn(*at, openvdb::Vec3s(float((*at).x()), float((*at).x()), 1.0f));
-    const auto lattice = make_box(Vec3d(-0.5, 0, 0), {16, 16, 16}, 1.0, {0, 1, 2});
-    const auto got = carved<VectorGrid>(grid, lattice, map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {6})));
-    CHECK(got->tree().getValue(Coord(5, 4, 4)) == openvdb::Vec3s(5, 5.5f, 1));  // its face is vertex 5; its centre lies in the seam's cell
-    CHECK(got->tree().getValue(Coord(6, 4, 4)) == openvdb::Vec3s(7, 7, 1));
-    CHECK(got->tree().getValue(Coord(4, 4, 4)) == openvdb::Vec3s(4, 4, 1));
-}
-
-TEST_CASE("whole numbers are read from the nearest voxel, never interpolated") {
-    auto transform = openvdb::math::Transform::createLinearTransform(1.0);
-    transform->preRotate(0.2, openvdb::math::Z_AXIS);
-    const auto grid = openvdb::Int32Grid::create();
-    grid->setTransform(transform);
-    auto values = grid->getAccessor();
-    for (auto at = CoordBBox(Coord(-10), Coord(20)).begin(); at; ++at) values.setValueOn(*at, ((*at).x() + (*at).y()) % 2 ? 7 : -9);
-    const auto lattice = make_box(Vec3d(0), {10, 10, 5}, 1.0, {0, 1, 2});
-    const auto got = carved<openvdb::Int32Grid>(grid, lattice, map_of_count(lattice, straight_seams(lattice, Axis::v, Seams::Kind::insert, {4})));
-    CHECK(got != grid);
-    for (auto voxel = got->cbeginValueOn(); voxel; ++voxel) CHECK((*voxel == 7 || *voxel == -9));
-}
-
-TEST_CASE("what can't be carved is refused by name") {
-    const auto lattice = make_box(Vec3d(0), {8, 8, 8}, 1.0, {0, 1, 2});
-    const auto seams = straight_seams(lattice, Axis::u, Seams::Kind::remove, {3});
-    const auto unknown = std::make_shared<RawGrid>("Tree_float_5_4_2", 0, 0);
-    unknown->setName("fine");
-    CHECK(failure_of([&] { carve_grid(unknown, lattice, map_of_count(lattice, seams), Interpolation::linear); }) ==
-          "grid 'fine' is of type Tree_float_5_4_2, which can't be carved; name the grids to carve in `grids:` of the reader and connect those");
-
-    const auto other = make_box(Vec3d(1, 0, 0), {8, 8, 8}, 1.0, {0, 1, 2});
-    CHECK(failure_of([&] { map_of_count(other, seams); }) ==
-          "the seams were found in another lattice: theirs is a box of 8 x 8 x 8 vertices from (0, 0, 0) to (7, 7, 7), spacing 1, axes xyz (" + lattice.hash +
-              "), this one a box of 8 x 8 x 8 vertices from (1, 0, 0) to (8, 7, 7), spacing 1, axes xyz (" + other.hash + ")");
-    // Seams of an older version state another hash: the description decides.
-    auto old = seams;
-    old.lattice_hash = "0123456789abcdef";
-    CHECK_NOTHROW(map_of_count(lattice, old));
-    CHECK(failure_of([&] { map_of_count(other, old); }).starts_with("the seams were found in another lattice"));
-
-    const auto set = std::make_shared<Seams>(seams);
-    CHECK(failure_of([&] {
-              CarveMap(lattice, {set, set}, 1, {});
-          }) == "seam set 2 of 2 carves 8 x 8 x 8 vertices, but set 1 leaves 7 x 8 x 8; list the sets in the order in which they were found");
-    CHECK(failure_of([&] { CarveMap(lattice, {set}, 2, {}); }) == "the seams do not hold frame 2; they hold 1");
-    CHECK(failure_of([&] { CarveMap(lattice, {set}, 1, 2); }) == "count asks for 2 seams, but the seam set holds 1");
-}
-
-TEST_CASE("remap.grids shares the grids that do not change, and takes a count of either sign") {
-    const auto lattice = std::make_shared<Lattice>(make_box(Vec3d(0), {8, 8, 8}, 1.0, {0, 1, 2}));
-    const auto seams = std::make_shared<Seams>(straight_seams(*lattice, Axis::u, Seams::Kind::remove, {3, 2}));
-    const auto volume = std::make_shared<Volume>();
-    const auto grid =
-        dense_grid(CoordBBox(Coord(0), Coord(7)), openvdb::math::Transform::createLinearTransform(1.0), [](const Coord& at) { return float(at.x() + 1); });
-    volume->grids = {grid, FloatGrid::create()};
-    const NodeBench::Inputs inputs{{"source", {Payload(volume)}}, {"lattice", {Payload(lattice)}}, {"seams", {Payload(seams)}}};
-
-    for (const auto* count : {"{count: 1}", "{count: -1}"}) {
-        const auto got = NodeBench(remap_grids(), count).run(inputs).at("volume").as<Volume>();
-        CHECK(got->grids[0] != grid);
-        CHECK(got->grids[1] == volume->grids[1]);
-        CHECK(openvdb::GridBase::grid<FloatGrid>(got->grids[0])->tree().getValue(Coord(2, 0, 0)) == 3.0f);
-        CHECK(openvdb::GridBase::grid<FloatGrid>(got->grids[0])->tree().getValue(Coord(3, 0, 0)) == 5.0f);
-    }
-    CHECK(NodeBench(remap_grids(), "{count: 0}").run(inputs).at("volume").as<Volume>() == volume);
-    CHECK(failure_of([&] { NodeBench(remap_grids(), "{count: 3}").run(inputs); }) == "count asks for 3 seams, but the seam set holds 2");
 }

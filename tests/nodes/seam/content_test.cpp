@@ -1,6 +1,6 @@
-#include "nodes/seam/costs/content.h"
-#include "nodes/rig/circle.h"
-#include "nodes/seam/costs/frame.h"
+#include "carve/solver/costs/content.h"
+#include "carve/rig/circle.h"
+#include "carve/solver/costs/frame.h"
 #include "tests/support/built_lattices.h"
 #include "tests/support/solver_bench.h"
 
@@ -22,7 +22,9 @@ FloatGrid::Ptr filled_cube(int size) {
     return out;
 }
 
-Lattice box_at(const Vec3d& first, const std::array<int, 3>& shape, double spacing) { return make_box(first, shape, spacing, {0, 1, 2}); }
+Lattice box_at(const Vec3d& first, const std::array<int, 3>& shape, double spacing) {
+    return make_box(first, shape, spacing, {0, 1, 2});
+}
 
 }  // namespace
 
@@ -32,7 +34,8 @@ TEST_CASE("voxels lie in a box if its vertices are as near as half a spacing or 
     CHECK(half.voxels == 512);
     CHECK(half.inside == 256);
     CHECK(half.share() == 0.5);
-    // One vertex thick and between two layers of voxels; then nearer to one, in a lattice finer than the voxels.
+    // One vertex thick and between two layers of voxels; then nearer to one, in a lattice finer
+    // than the voxels.
     CHECK(content_in(*grid, box_at({0, 0, 3.5}, {8, 8, 1}, 1)).inside == 128);
     CHECK(content_in(*grid, box_at({0, 0, 3.3}, {29, 29, 1}, 0.25)).inside == 64);
     CHECK(content_in(*grid, box_at({20, 0, 0}, {8, 8, 8}, 1)).inside == 0);
@@ -60,33 +63,42 @@ TEST_CASE("voxels lie in a ring where its cells are, not in its middle nor beyon
     CHECK(content.inside == 2);
 }
 
-TEST_CASE("a vertex that sees energy is content, though the voxels that are looked at miss the lattice") {
+TEST_CASE(
+    "a vertex that sees energy is content, though the voxels that are looked at miss the lattice") {
     const auto tile = FloatGrid::create();
     tile->tree().addTile(2, Coord(0), 1.0f, true);
     const auto within = [&](const Vec3d& first) {
-        return sample_frame({*tile}, std::make_shared<Lattice>(box_at(first, {4, 4, 4}, 1)), Axis::u, Measure::vertex).content.inside;
+        return sample_frame({*tile}, std::make_shared<Lattice>(box_at(first, {4, 4, 4}, 1)),
+                            Axis::u, Measure::vertex)
+            .content.inside;
     };
     CHECK(within(Vec3d(0)) == 1);
     CHECK(within(Vec3d(200)) == 0);
 }
 
-TEST_CASE("a lattice too fine for the memory is refused before room is made, with a spacing that fits") {
+TEST_CASE(
+    "a lattice too fine for the memory is refused before room is made, with a spacing that fits") {
     const auto fault = [](double voxel) {
         const auto grid = FloatGrid::create();
         grid->setTransform(openvdb::math::Transform::createLinearTransform(voxel));
-        return failure_of([&] { require_frame_fits({*grid}, box_at(Vec3d(0), {4001, 4001, 3}, 0.01), 80000000); });
+        return failure_of([&] {
+            require_frame_fits({*grid}, box_at(Vec3d(0), {4001, 4001, 3}, 0.01), 80000000);
+        });
     };
     CHECK(fault(0.5) ==
-          "at a 'spacing' of 0.01 the lattice has 4001 x 4001 x 3 vertices, which take 96.0 MB in each frame, but --memory allows 80.0 MB; the voxels of "
+          "at a 'spacing' of 0.01 the lattice has 4001 x 4001 x 3 vertices, which take 96.0 MB in "
+          "each frame, but --memory allows 80.0 MB; the voxels of "
           "`energy` are 0.5 wide: a 'spacing' of 0.5 fits");
     CHECK(fault(0.001) ==
-          "at a 'spacing' of 0.01 the lattice has 4001 x 4001 x 3 vertices, which take 96.0 MB in each frame, but --memory allows 80.0 MB; the voxels of "
+          "at a 'spacing' of 0.01 the lattice has 4001 x 4001 x 3 vertices, which take 96.0 MB in "
+          "each frame, but --memory allows 80.0 MB; the voxels of "
           "`energy` are 0.001 wide: a 'spacing' of 0.0125 fits");
     const auto grid = FloatGrid::create();
     CHECK_NOTHROW(require_frame_fits({*grid}, box({100, 100, 100}), 0));
     // A field takes as much again.
     CHECK_NOTHROW(require_frame_fits({*grid}, box_at(Vec3d(0), {4001, 4001, 2}, 0.01), 80000000));
-    CHECK(failure_of([&] {
-              require_frame_fits({*grid, &*grid}, box_at(Vec3d(0), {4001, 4001, 2}, 0.01), 80000000);
-          }).find("which take 128 MB") != std::string::npos);
+    CHECK(
+        failure_of([&] {
+            require_frame_fits({*grid, &*grid}, box_at(Vec3d(0), {4001, 4001, 2}, 0.01), 80000000);
+        }).find("which take 128 MB") != std::string::npos);
 }

@@ -1,7 +1,7 @@
-#include "nodes/seam/cut/cut.h"
-#include "nodes/payloads.h"
-#include "nodes/seam/cut/cut_seam.h"
-#include "nodes/seam/graph_cut.h"
+#include "carve/solver/cut/cut.h"
+#include "carve/solver/cut/cut_seam.h"
+#include "carve/volume/volume.h"
+#include "nodes/seam.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/searches.h"
@@ -24,7 +24,8 @@ namespace {
 
 Cut::CostOf whole_costs(const CostAt& cost) {
     return [&cost](std::size_t c, Band::Column band, std::int32_t* costs) {
-        for (int entry = band.first; entry <= band.last; ++entry) *costs++ = static_cast<std::int32_t>(cost(c, entry));
+        for (int entry = band.first; entry <= band.last; ++entry)
+            *costs++ = static_cast<std::int32_t>(cost(c, entry));
     };
 }
 
@@ -32,10 +33,14 @@ Cut::CostOf whole_costs(const CostAt& cost) {
 struct RandomCosts {
     int width;
     std::vector<double> costs;
-    RandomCosts(std::mt19937& random, const ColumnGraph& graph, int width, unsigned most) : width(width) {
-        for (std::size_t n = 0; n < graph.count() * static_cast<std::size_t>(width); ++n) costs.push_back(random() % (most + 1));
+    RandomCosts(std::mt19937& random, const ColumnGraph& graph, int width, unsigned most)
+        : width(width) {
+        for (std::size_t n = 0; n < graph.count() * static_cast<std::size_t>(width); ++n)
+            costs.push_back(random() % (most + 1));
     }
-    double operator()(std::size_t c, int entry) const { return costs[c * static_cast<std::size_t>(width) + static_cast<std::size_t>(entry)]; }
+    double operator()(std::size_t c, int entry) const {
+        return costs[c * static_cast<std::size_t>(width) + static_cast<std::size_t>(entry)];
+    }
 };
 
 /// The least cost along a line of columns, by dynamic programming.
@@ -44,7 +49,9 @@ double least_of_line(std::size_t length, int width, const CostAt& cost) {
     for (std::size_t c = 0; c < length; ++c) {
         for (std::size_t i = 0; i < now.size(); ++i) {
             const auto first = before.begin() + static_cast<std::ptrdiff_t>(i == 0 ? 0 : i - 1);
-            now[i] = cost(c, static_cast<int>(i)) + *std::min_element(first, before.begin() + static_cast<std::ptrdiff_t>(std::min(i + 2, now.size())));
+            now[i] = cost(c, static_cast<int>(i)) +
+                     *std::min_element(first, before.begin() + static_cast<std::ptrdiff_t>(
+                                                                   std::min(i + 2, now.size())));
         }
         std::swap(before, now);
     }
@@ -53,15 +60,21 @@ double least_of_line(std::size_t length, int width, const CostAt& cost) {
 
 }  // namespace
 
-TEST_CASE("a cut finds the least cost of all seams in a band, and of equal seams the highest, or reversed the lowest") {
+TEST_CASE(
+    "a cut finds the least cost of all seams in a band, and of equal seams the highest, or "
+    "reversed the lowest") {
     std::mt19937 random(1);
     for (int n = 0; n < 6000; ++n) {
         const ColumnGraph graph(random_size(random, 12), n % 2 == 0, n % 3 == 0);
         const int width = 1 + static_cast<int>(random() % 6);
         // From many ties to the dearest that there may be.
-        const RandomCosts costs(random, graph, width, n % 3 == 0 ? 2 : n % 3 == 1 ? 100 : Cut::most_cost);
+        const RandomCosts costs(random, graph, width,
+                                n % 3 == 0   ? 2
+                                : n % 3 == 1 ? 100
+                                             : Cut::most_cost);
         const CostAt cost = std::cref(costs);
-        const auto band = n % 5 == 0 ? Band::whole(graph.count(), {0, width - 1}) : random_band(random, graph, {0, width - 1});
+        const auto band = n % 5 == 0 ? Band::whole(graph.count(), {0, width - 1})
+                                     : random_band(random, graph, {0, width - 1});
         const auto want = brute_force(graph, band, cost);
         INFO("case " << n);
         for (const bool reversed : {false, true}) {
@@ -92,7 +105,8 @@ TEST_CASE("a cut with a tolerance keeps to it, and its flow is a bound") {
         REQUIRE(is_seam(graph, band, seam));
         REQUIRE(sum_along(seam, cost) == static_cast<double>(cut.cost()));
         REQUIRE(static_cast<double>(cut.flow()) <= least);
-        REQUIRE(static_cast<double>(cut.cost()) <= (1 + tolerance) * static_cast<double>(cut.flow()));
+        REQUIRE(static_cast<double>(cut.cost()) <=
+                (1 + tolerance) * static_cast<double>(cut.flow()));
         stopped_early += cut.cost() > cut.flow();
     }
     CHECK(stopped_early > 0);
@@ -130,7 +144,8 @@ TEST_CASE("cuts of energies are exact to the last digit in any window and band, 
     std::mt19937 random(4);
     for (int n = 0; n < 4000; ++n) {
         const ColumnGraph graph(random_size(random, 14), n % 2 == 0, n % 3 == 0);
-        const int width = 1 + static_cast<int>(random() % 7), number = static_cast<int>(random() % 2);
+        const int width = 1 + static_cast<int>(random() % 7),
+                  number = static_cast<int>(random() % 2);
         const auto energy = random_volume(random, graph, width, n % 4 == 0 ? 3 : 1024);
         const auto window = random_window(random, width);
         const auto whole = Band::whole(graph.count(), window);
@@ -153,8 +168,9 @@ TEST_CASE("cuts of energies are exact to the last digit in any window and band, 
         const Strip strip(energy, Band::around(seam, 2, window));
         Band near;
         for (std::size_t c = 0; c < seam.size(); ++c)
-            near.columns.push_back({static_cast<std::uint16_t>(std::max<int>(seam[c] - radius, strip[c].first)),
-                                    static_cast<std::uint16_t>(std::min<int>(seam[c] + radius, strip[c].last))});
+            near.columns.push_back(
+                {static_cast<std::uint16_t>(std::max<int>(seam[c] - radius, strip[c].first)),
+                 static_cast<std::uint16_t>(std::min<int>(seam[c] + radius, strip[c].last))});
         const auto beside = cut_seam(strip, seam, radius, 0, number, quiet);
         REQUIRE(is_seam(graph, near, beside.at));
         REQUIRE(beside.lower_bound == brute_force(graph, near, energies_of(energy)).cost);
@@ -166,10 +182,12 @@ TEST_CASE("static seams are cut exactly in the sums of energies") {
     std::mt19937 random(5);
     for (int n = 0; n < 300; ++n) {
         auto size = random_size(random, 12);
-        const ColumnGraph frame({size[0], size[1], 1}, n % 2 == 0), all({size[0], size[1], 5}, n % 2 == 0);
+        const ColumnGraph frame({size[0], size[1], 1}, n % 2 == 0),
+            all({size[0], size[1], 5}, n % 2 == 0);
         const int width = 2 + static_cast<int>(random() % 5);
         const auto sum = random_volume(random, all, width).sum();
-        const auto want = brute_force(frame, Band::whole(frame.count(), {0, width - 1}), energies_of(sum));
+        const auto want =
+            brute_force(frame, Band::whole(frame.count(), {0, width - 1}), energies_of(sum));
         const auto exact = exact_seam(sum, {0, width - 1}, 0, quiet);
         INFO("case " << n);
         REQUIRE(exact.at == SeamEntries(want.highest));
@@ -195,7 +213,9 @@ TEST_CASE("energies of very different size, and none at all, are cut") {
     std::mt19937 random(6);
     for (int n = 0; n < 200; ++n) {
         const auto energy = volume_of(graph, 4, [&](std::size_t, int) {
-            return n == 0 ? 0.0 : std::ldexp(1 + static_cast<double>(random() % 1000) / 1024, static_cast<int>(random() % 60) - 30);
+            return n == 0 ? 0.0
+                          : std::ldexp(1 + static_cast<double>(random() % 1000) / 1024,
+                                       static_cast<int>(random() % 60) - 30);
         });
         const auto want = brute_force(graph, Band::whole(12, {0, 3}), energies_of(energy));
         const auto exact = exact_seam(energy, {0, 3}, 0, quiet);
@@ -203,7 +223,8 @@ TEST_CASE("energies of very different size, and none at all, are cut") {
         // What does not fit into 24 bits of the dearest is rounded.
         double dearest = 0;
         for (std::size_t c = 0; c < 12; ++c)
-            for (int entry = 0; entry < 4; ++entry) dearest = std::max(dearest, energies_of(energy)(c, entry));
+            for (int entry = 0; entry < 4; ++entry)
+                dearest = std::max(dearest, energies_of(energy)(c, entry));
         const double rounding = 12 * std::ldexp(dearest, -23);
         CHECK(exact.energy <= want.cost + rounding);
         CHECK(*exact.lower_bound <= want.cost);
@@ -211,20 +232,27 @@ TEST_CASE("energies of very different size, and none at all, are cut") {
     }
 }
 
-TEST_CASE("volumes of many tiles and frames are cut exactly, the same with one thread and with two", "[long]") {
+TEST_CASE("volumes of many tiles and frames are cut exactly, the same with one thread and with two",
+          "[long]") {
     struct Case {
         std::array<int, 3> size;
         int width;
         bool closed;
         Synthetic kind;
     };
-    for (const auto& [size, width, closed, kind] : {Case{{12, 20, 16}, 24, false, Synthetic::smoke}, Case{{10, 27, 12}, 32, true, Synthetic::noise},
-                                                    Case{{1, 2000, 1}, 50, false, Synthetic::noise}, Case{{30, 81, 1}, 40, true, Synthetic::smoke}}) {
+    for (const auto& [size, width, closed, kind] :
+         {Case{{12, 20, 16}, 24, false, Synthetic::smoke},
+          Case{{10, 27, 12}, 32, true, Synthetic::noise},
+          Case{{1, 2000, 1}, 50, false, Synthetic::noise},
+          Case{{30, 81, 1}, 40, true, Synthetic::smoke}}) {
         const ColumnGraph graph(size, closed);
-        const auto energy = SyntheticEnergy(kind, 7)({width, size[0], size[1]}, static_cast<std::size_t>(size[2]), closed);
+        const auto energy = SyntheticEnergy(kind, 7)({width, size[0], size[1]},
+                                                     static_cast<std::size_t>(size[2]), closed);
         const auto band = Band::whole(graph.count(), {0, width - 1});
         REQUIRE(graph.count() * static_cast<std::size_t>(width - 1) > Cut::most_untiled);
-        const CostAt cost = [&](std::size_t c, int entry) { return std::floor(energies_of(energy)(c, entry) * (1 << 20)); };
+        const CostAt cost = [&](std::size_t c, int entry) {
+            return std::floor(energies_of(energy)(c, entry) * (1 << 20));
+        };
         struct Solved {
             SeamVector seam;
             std::int64_t flow, cost;
@@ -236,14 +264,17 @@ TEST_CASE("volumes of many tiles and frames are cut exactly, the same with one t
         };
         INFO(size[0] << " x " << size[1] << " x " << size[2]);
         for (const double tolerance : {0.0, 0.01}) {
-            const auto one = with_threads(1, [&] { return solve(tolerance); }), two = with_threads(2, [&] { return solve(tolerance); });
+            const auto one = with_threads(1, [&] { return solve(tolerance); }),
+                       two = with_threads(2, [&] { return solve(tolerance); });
             REQUIRE(one.seam == two.seam);
             REQUIRE(one.flow == two.flow);
             REQUIRE(is_seam(graph, band, one.seam));
             // A flow and a cut of the same size prove each other.
             REQUIRE(sum_along(one.seam, cost) == static_cast<double>(one.cost));
-            REQUIRE(static_cast<double>(one.cost - one.flow) <= tolerance * static_cast<double>(one.flow));
-            if (tolerance == 0 && size[0] * size[2] == 1) REQUIRE(static_cast<double>(one.flow) == least_of_line(graph.count(), width, cost));
+            REQUIRE(static_cast<double>(one.cost - one.flow) <=
+                    tolerance * static_cast<double>(one.flow));
+            if (tolerance == 0 && size[0] * size[2] == 1)
+                REQUIRE(static_cast<double>(one.flow) == least_of_line(graph.count(), width, cost));
         }
     }
 }
@@ -252,13 +283,17 @@ TEST_CASE("a seam that costs nothing is found in a large volume of dear ones") {
     std::mt19937 random(8);
     const ColumnGraph graph({14, 15, 16}, true);
     const auto hidden = random_seam(random, graph, {2, 27});
-    const auto energy = volume_of(graph, 30, [&](std::size_t c, int entry) { return entry == hidden[c] ? 0.0 : 1 + static_cast<double>(random() % 64) / 64; });
-    for (const int number : {0, 1}) CHECK(exact_seam(energy, {0, 29}, number, quiet).at == SeamEntries(hidden));
+    const auto energy = volume_of(graph, 30, [&](std::size_t c, int entry) {
+        return entry == hidden[c] ? 0.0 : 1 + static_cast<double>(random() % 64) / 64;
+    });
+    for (const int number : {0, 1})
+        CHECK(exact_seam(energy, {0, 29}, number, quiet).at == SeamEntries(hidden));
 }
 
 TEST_CASE("seams hold together where more flow gathers in one place than an arc holds") {
-    // On the left seams would stay above a staircase that leads down to the middle, on the right below one that leads down
-    // from there. The stairs miss each other by a step, and all that any seam pays flows through that one gap.
+    // On the left seams would stay above a staircase that leads down to the middle, on the right
+    // below one that leads down from there. The stairs miss each other by a step, and all that any
+    // seam pays flows through that one gap.
     constexpr int half = 150, width = 2 * half + 4, middle = half + 1;
     const ColumnGraph graph({2 * half, 1, 1});
     const double dear = 2047.0 / 64;
@@ -280,11 +315,14 @@ TEST_CASE("seams hold together where more flow gathers in one place than an arc 
     }
 }
 
-TEST_CASE("the paper's keyframes: one interval is exact, more are never better, and seams go on from frame to frame") {
+TEST_CASE(
+    "the paper's keyframes: one interval is exact, more are never better, and seams go on from "
+    "frame to frame") {
     std::mt19937 random(9);
     int worse = 0;
     for (int n = 0; n < 400; ++n) {
-        const ColumnGraph graph({1 + n % 2, 1 + n % 3, 2 + static_cast<int>(random() % 2)}, n % 2 == 0);
+        const ColumnGraph graph({1 + n % 2, 1 + n % 3, 2 + static_cast<int>(random() % 2)},
+                                n % 2 == 0);
         const int width = 2 + static_cast<int>(random() % 6);
         const auto energy = random_volume(random, graph, width);
         const Window window{0, width - 1};
@@ -303,7 +341,8 @@ TEST_CASE("the paper's keyframes: one interval is exact, more are never better, 
         // The first interval knows nothing of the rest.
         const auto first = keyframed_seam(energy, window, n, 1, 0, quiet);
         const ColumnGraph frame({graph.size[0], graph.size[1], 1}, graph.closed);
-        const auto alone = brute_force(frame, Band::whole(frame.count(), window), energies_of(energy));
+        const auto alone =
+            brute_force(frame, Band::whole(frame.count(), window), energies_of(energy));
         const auto& want_first = n % 2 == 0 ? alone.highest : alone.lowest;
         CHECK(std::equal(want_first.begin(), want_first.end(), first.at.begin()));
     }
@@ -315,7 +354,8 @@ TEST_CASE("energies below the paper's threshold count as none for the cut, but a
     const auto energy = volume_of(ColumnGraph({2, 1, 1}), 3, [](std::size_t c, int entry) {
         return entry == 0 ? (c == 0 ? 1.0 : 2.5) : entry == 1 ? 9.0 : 2.0;
     });
-    const auto pruned = keyframed_seam(energy, {0, 2}, 0, 1, 2.25, quiet), plain = keyframed_seam(energy, {0, 2}, 0, 1, 0, quiet);
+    const auto pruned = keyframed_seam(energy, {0, 2}, 0, 1, 2.25, quiet),
+               plain = keyframed_seam(energy, {0, 2}, 0, 1, 0, quiet);
     CHECK(pruned.at == SeamEntries{2, 2});
     CHECK(pruned.energy == 4);
     CHECK(plain.at == SeamEntries{0, 0});

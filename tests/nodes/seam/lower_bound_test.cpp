@@ -1,9 +1,10 @@
-#include "nodes/payloads.h"
-#include "nodes/seam/cut/cut_seam.h"
-#include "nodes/seam/greedy.h"
-#include "nodes/seam/pyramid.h"
-#include "nodes/seam/search/bound.h"
-#include "nodes/seam/solve/task_bounds.h"
+#include "carve/solver/cut/cut_seam.h"
+#include "carve/solver/greedy.h"
+#include "carve/solver/pyramid.h"
+#include "carve/solver/search/bound.h"
+#include "carve/solver/task/task_bounds.h"
+#include "carve/volume/volume.h"
+#include "nodes/seam.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/scratch.h"
 #include "tests/support/searches.h"
@@ -25,9 +26,11 @@ TEST_CASE("no seam has less energy than the lower bound, with any number of pass
         const int width = 1 + static_cast<int>(random() % 6);
         const auto energy = random_volume(random, graph, width, n % 3 == 0 ? 3 : 1024);
         const auto window = random_window(random, width);
-        const auto least = brute_force(graph, Band::whole(graph.count(), window), energies_of(energy)).cost;
+        const auto least =
+            brute_force(graph, Band::whole(graph.count(), window), energies_of(energy)).cost;
         INFO("case " << n);
-        for (const int passes : {0, 1, 3, 20}) REQUIRE(lower_bound(energy, window, passes, nobody) <= least);
+        for (const int passes : {0, 1, 3, 20})
+            REQUIRE(lower_bound(energy, window, passes, nobody) <= least);
     }
 }
 
@@ -36,8 +39,10 @@ TEST_CASE("the bound holds for static seams, in the sums of energies") {
     for (int n = 0; n < 200; ++n) {
         const auto size = random_size(random, 12);
         const ColumnGraph frame({size[0], size[1], 1}, n % 2 == 0);
-        const auto sum = random_volume(random, ColumnGraph({size[0], size[1], 4}, n % 2 == 0), 5).sum();
-        const auto least = brute_force(frame, Band::whole(frame.count(), {0, 4}), energies_of(sum)).cost;
+        const auto sum =
+            random_volume(random, ColumnGraph({size[0], size[1], 4}, n % 2 == 0), 5).sum();
+        const auto least =
+            brute_force(frame, Band::whole(frame.count(), {0, 4}), energies_of(sum)).cost;
         INFO("case " << n);
         for (const int passes : {0, 10}) REQUIRE(lower_bound(sum, {0, 4}, passes, nobody) <= least);
     }
@@ -50,13 +55,17 @@ TEST_CASE("for an open line the bound is the least energy but for rounding") {
         size[static_cast<std::size_t>(n % 3)] = 1 + n % 11;
         const ColumnGraph graph(size);
         const auto energy = random_volume(random, graph, 5);
-        const auto least = brute_force(graph, Band::whole(graph.count(), {1, 4}), energies_of(energy)).cost;
+        const auto least =
+            brute_force(graph, Band::whole(graph.count(), {1, 4}), energies_of(energy)).cost;
         INFO("case " << n);
-        for (const int passes : {0, 2}) REQUIRE(lower_bound(energy, {1, 4}, passes, nobody) == Approx(least).epsilon(2e-5));
+        for (const int passes : {0, 2})
+            REQUIRE(lower_bound(energy, {1, 4}, passes, nobody) == Approx(least).epsilon(2e-5));
     }
 }
 
-TEST_CASE("no seam has less energy than the bound over several blocks of frames, which files hold as memory does") {
+TEST_CASE(
+    "no seam has less energy than the bound over several blocks of frames, which files hold as "
+    "memory does") {
     std::mt19937 random(4);
     for (int n = 0; n < 40; ++n) {
         const ColumnGraph graph({1 + n % 4, 1 + n % 3, 9 + n % 13}, n % 2 == 0, n % 5 == 0);
@@ -71,14 +80,17 @@ TEST_CASE("no seam has less energy than the bound over several blocks of frames,
     }
 }
 
-TEST_CASE("the bound rises with every pass and comes near the least energy, and the number of threads does not change it") {
+TEST_CASE(
+    "the bound rises with every pass and comes near the least energy, and the number of threads "
+    "does not change it") {
     struct Case {
         Synthetic kind;
         bool closed;
         double even, passed;  ///< wanted shares of the least energy, with no pass and with 10
     };
     for (const auto& [kind, closed, even, passed] :
-         {Case{Synthetic::smoke, false, 0.78, 0.97}, Case{Synthetic::smoke, true, 0.76, 0.94}, Case{Synthetic::noise, false, 0.75, 0.94}}) {
+         {Case{Synthetic::smoke, false, 0.78, 0.97}, Case{Synthetic::smoke, true, 0.76, 0.94},
+          Case{Synthetic::noise, false, 0.75, 0.94}}) {
         const auto energy = SyntheticEnergy(kind, 5)({24, 12, 16}, 6, closed);
         const double least = exact_seam(energy, {0, 23}, 0, [] {}).energy;
         double before = 0;
@@ -91,8 +103,11 @@ TEST_CASE("the bound rises with every pass and comes near the least energy, and 
             if (passes == 10) CHECK(bound >= passed * least);
             before = bound;
             for (const std::size_t threads : {1, 3}) {
-                const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-                tbb::task_arena(static_cast<int>(threads)).execute([&] { CHECK(lower_bound(energy, {0, 23}, passes, nobody) == bound); });
+                const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                                threads);
+                tbb::task_arena(static_cast<int>(threads)).execute([&] {
+                    CHECK(lower_bound(energy, {0, 23}, passes, nobody) == bound);
+                });
             }
         }
     }
@@ -106,10 +121,12 @@ TEST_CASE("the bound comes near the least energy beside protected vertices, too"
             for (int lateral = 0; lateral < 12; ++lateral)
                 for (int entry = 0; entry < 24; ++entry)
                     if (std::hypot(entry - 12, lateral - 6, k - 8) < 6)
-                        energy.codes(t)[static_cast<std::size_t>(entry + 24 * (lateral + 12 * k))] = protected_code;
+                        energy.codes(t)[static_cast<std::size_t>(entry + 24 * (lateral + 12 * k))] =
+                            protected_code;
     energy.find_marks();
     const double least = exact_seam(energy, {0, 23}, 0, [] {}).energy;
-    for (const auto& [passes, share] : {std::pair{0, 0.85}, std::pair{1, 0.95}, std::pair{10, 0.99}}) {
+    for (const auto& [passes, share] :
+         {std::pair{0, 0.85}, std::pair{1, 0.95}, std::pair{10, 0.99}}) {
         const double bound = lower_bound(energy, {0, 23}, passes, nobody);
         INFO(passes << " passes, least " << least);
         CHECK(bound <= least);
@@ -117,7 +134,8 @@ TEST_CASE("the bound comes near the least energy beside protected vertices, too"
     }
 }
 
-TEST_CASE("bounds of one seam after the other are bounds, too, and messages follow what seams delete") {
+TEST_CASE(
+    "bounds of one seam after the other are bounds, too, and messages follow what seams delete") {
     std::mt19937 random(7);
     for (int n = 0; n < 100; ++n) {
         const ColumnGraph graph(random_size(random, 12), n % 2 == 0, n % 3 == 0);
@@ -126,7 +144,9 @@ TEST_CASE("bounds of one seam after the other are bounds, too, and messages foll
         for (int number = 0; number < 6; ++number) {
             const Window window{1, 7 - number};
             INFO("case " << n << ", seam " << number);
-            REQUIRE(bounds(energy, window, number, n % 2, nobody) <= brute_force(graph, Band::whole(graph.count(), window), energies_of(energy)).cost);
+            REQUIRE(
+                bounds(energy, window, number, n % 2, nobody) <=
+                brute_force(graph, Band::whole(graph.count(), window), energies_of(energy)).cost);
             const auto seam = random_seam(random, graph, window);
             bounds.follow(seam, number);
             energy.remove(seam, window);
@@ -138,7 +158,8 @@ TEST_CASE("bounds of one seam after the other are bounds, too, and messages foll
     ConsecutiveBounds following, staying;
     for (int number = 0; number < 5; ++number) {
         const Window window{0, 39 - number};
-        const double bound = following(energy, window, number, 0, nobody), stayed = staying(energy, window, number, 0, nobody);
+        const double bound = following(energy, window, number, 0, nobody),
+                     stayed = staying(energy, window, number, 0, nobody);
         const double fresh = lower_bound(energy, window, 0, nobody);
         INFO("seam " << number);
         if (number == 0) CHECK(bound == fresh);
@@ -152,21 +173,26 @@ TEST_CASE("bounds of one seam after the other are bounds, too, and messages foll
 namespace {
 
 /// What a seam costs in the first frames, with its steps.
-double cost_within(const ColumnGraph& graph, const EnergyVolume& energy, std::span<const std::uint16_t> seam, std::size_t frames) {
+double cost_within(const ColumnGraph& graph, const EnergyVolume& energy,
+                   std::span<const std::uint16_t> seam, std::size_t frames) {
     const auto per_frame = energy.columns_per_frame();
     const auto cost_at = energies_of(energy);
     double out = 0;
     for (std::size_t c = 0; c < frames * per_frame; ++c) {
         out += cost_at(c, seam[c]);
         for (const auto other : graph.neighbours[c])
-            if (other < c && seam[other] != seam[c]) out += static_cast<double>(energy.rigidity()[other / per_frame == c / per_frame ? 0 : 1]);
+            if (other < c && seam[other] != seam[c])
+                out += static_cast<double>(
+                    energy.rigidity()[other / per_frame == c / per_frame ? 0 : 1]);
     }
     return out;
 }
 
 }  // namespace
 
-TEST_CASE("no seam that begins in a given way costs less than the bound for that, after messages in either direction") {
+TEST_CASE(
+    "no seam that begins in a given way costs less than the bound for that, after messages in "
+    "either direction") {
     std::mt19937 random(8);
     for (int n = 0; n < 60; ++n) {
         const ColumnGraph graph({1 + n % 3, 1 + n % 4, 1 + n % 7}, n % 2 == 0, n % 3 == 0);
@@ -181,7 +207,9 @@ TEST_CASE("no seam that begins in a given way costs less than the bound for that
                 const auto seam = random_seam(random, graph, window);
                 const double cost = cost_within(graph, energy, seam, energy.frames());
                 for (std::size_t t = 0; t < energy.frames(); ++t) {
-                    const SeamStart start{t, cost_within(graph, energy, seam, t), cost_within(graph, energy, seam, t + 1), seam.data() + t * per_frame, 1};
+                    const SeamStart start{t, cost_within(graph, energy, seam, t),
+                                          cost_within(graph, energy, seam, t + 1),
+                                          seam.data() + t * per_frame, 1};
                     INFO("case " << n << ", seam " << number << ", frame " << t);
                     REQUIRE(bounds.with(start) <= cost);
                 }
@@ -203,7 +231,8 @@ TEST_CASE("bounds tell early which seams will cost too much") {
         const auto best = exact_seam(energy, window, number, [] {});
         const auto at = best.at.all();
         const auto start = [&](std::span<const std::uint16_t> seam, std::size_t t) {
-            return SeamStart{t, cost_within(graph, energy, seam, t), cost_within(graph, energy, seam, t + 1), seam.data() + t * 192, 1};
+            return SeamStart{t, cost_within(graph, energy, seam, t),
+                             cost_within(graph, energy, seam, t + 1), seam.data() + t * 192, 1};
         };
         INFO("seam " << number);
         CHECK(bounds.with(start(at, 3)) > 0.9 * best.energy);
@@ -216,7 +245,8 @@ TEST_CASE("bounds tell early which seams will cost too much") {
     }
 }
 
-TEST_CASE("solvers find the same seams with bounds as without, and after seams that were found before") {
+TEST_CASE(
+    "solvers find the same seams with bounds as without, and after seams that were found before") {
     const std::array shape{40, 20, 22};
     for (const bool closed : {false, true}) {
         const auto find = [&](SeamBounds* bounds, std::vector<Seams::Seam> before = {}) {
@@ -224,14 +254,17 @@ TEST_CASE("solvers find the same seams with bounds as without, and after seams t
             Continued continued;
             continued.bounds = bounds;
             continued.before = std::move(before);
-            return find_seams(energy, Seams::Kind::remove, 5, {0, 39}, Pyramid(Quality::normal, 16), nobody, nullptr, false, continued).seams;
+            return find_seams(energy, Seams::Kind::remove, 5, {0, 39}, Pyramid(Quality::normal, 16),
+                              nobody, nullptr, false, continued)
+                .seams;
         };
         const auto plain = find(nullptr);
         TaskBounds all(
             std::nullopt, 0, [] {}, ~std::uint64_t{0}, ""),
             rest(
                 std::nullopt, 3, [] {}, ~std::uint64_t{0}, "");
-        const auto bounded = find(&all), resumed = find(&rest, {bounded.begin(), bounded.begin() + 3});
+        const auto bounded = find(&all),
+                   resumed = find(&rest, {bounded.begin(), bounded.begin() + 3});
         for (std::size_t n = 0; n < plain.size(); ++n) {
             INFO("seam " << n << ", closed " << closed);
             CHECK(bounded[n].at == plain[n].at);
@@ -244,11 +277,16 @@ TEST_CASE("solvers find the same seams with bounds as without, and after seams t
     }
 }
 
-TEST_CASE("every seam of a small volume is reported with a bound, of a large one the first, or all if passes are stated") {
+TEST_CASE(
+    "every seam of a small volume is reported with a bound, of a large one the first, or all if "
+    "passes are stated") {
     const auto bounded = [](int frames, const std::string& more) {
-        const auto energy = energy_grid(openvdb::CoordBBox({0, 0, 0}, {255, 31, 31}),
-                                        [](const openvdb::Coord& at) { return static_cast<float>(1 + (7 * at.x() + 3 * at.y() + 5 * at.z()) % 11); });
-        const auto solved = solve(seam_greedy(), "{count: -2, starts: 1" + more + "}", {energy}, {box({256, 32, 32})}, {}, static_cast<std::size_t>(frames));
+        const auto energy =
+            energy_grid(openvdb::CoordBBox({0, 0, 0}, {255, 31, 31}), [](const openvdb::Coord& at) {
+                return static_cast<float>(1 + (7 * at.x() + 3 * at.y() + 5 * at.z()) % 11);
+            });
+        const auto solved = solve(seam_greedy(), "{count: -2, starts: 1" + more + "}", {energy},
+                                  {box({256, 32, 32})}, {}, static_cast<std::size_t>(frames));
         std::vector<bool> out;
         for (const auto& seam : solved.seams->seams) {
             out.push_back(seam.lower_bound.has_value());

@@ -1,6 +1,6 @@
-#include "nodes/usd/fields.h"
+#include "formats/usd/fields.h"
 
-#include "nodes/io/triplet.h"
+#include "carve/volume/triplet.h"
 #include "tests/support/node_bench.h"
 
 #include <fmt/format.h>
@@ -14,7 +14,8 @@ using openvdb::Vec3d;
 namespace {
 
 template <class Grid>
-typename Grid::Ptr named(const std::string& name, openvdb::GridClass grid_class = openvdb::GRID_UNKNOWN) {
+typename Grid::Ptr named(const std::string& name,
+                         openvdb::GridClass grid_class = openvdb::GRID_UNKNOWN) {
     const auto out = Grid::create();
     out->setName(name);
     out->setGridClass(grid_class);
@@ -24,7 +25,8 @@ typename Grid::Ptr named(const std::string& name, openvdb::GridClass grid_class 
 /// "name[index] type class role", a line each.
 std::string text_of(const UsdFields& fields) {
     std::string out;
-    for (const auto& [name, index, type, grid_class, role] : fields.fields) out += fmt::format("{}[{}] {} {} {}\n", name, index, type, grid_class, role);
+    for (const auto& [name, index, type, grid_class, role] : fields.fields)
+        out += fmt::format("{}[{}] {} {} {}\n", name, index, type, grid_class, role);
     return out;
 }
 
@@ -73,13 +75,15 @@ TEST_CASE("a velocity that was merged from three grids is three fields, as in it
     for (std::size_t c = 0; c < 3; ++c) components[c] = named<FloatGrid>(triplet_names("vel")[c]);
     Volume volume;
     volume.grids = {merged(make_triplet("vel", components))};
-    CHECK(text_of(usd_fields(volume, nullptr)) == "vel.x[0] float unknown \nvel.y[0] float unknown \nvel.z[0] float unknown \n");
+    CHECK(text_of(usd_fields(volume, nullptr)) ==
+          "vel.x[0] float unknown \nvel.y[0] float unknown \nvel.z[0] float unknown \n");
 }
 
 TEST_CASE("fields stand where their reader placed them, or where the writer is told") {
     const Placement moved{Vec3d(1, 2, 3), 2}, other{Vec3d(4, 5, 6), 1};
     Volume volume;
-    volume.grids = {placed(named<FloatGrid>("density"), moved), placed(named<VectorGrid>("velocity"), moved)};
+    volume.grids = {placed(named<FloatGrid>("density"), moved),
+                    placed(named<VectorGrid>("velocity"), moved)};
     CHECK(usd_fields(volume, nullptr).placement == moved);
     CHECK(usd_fields(volume, &other).placement == other);
 
@@ -90,6 +94,7 @@ TEST_CASE("fields stand where their reader placed them, or where the writer is t
 
     volume.grids.push_back(named<FloatGrid>("made"));
     CHECK(test::failure_of([&] { usd_fields(volume, nullptr); }) ==
-          "grids 'density' and 'made' have different placements, and a USD volume has one: write them to two files by two vdb.write");
+          "grids 'density' and 'made' have different placements, and a USD volume has one: write "
+          "them to two files by two vdb.write");
     CHECK(usd_fields(volume, &other).placement == other);
 }

@@ -104,8 +104,10 @@ TEST_CASE("a payload type of another version is not read") {
     const auto registry = toy::registry();
     Cache(registry, scratch.path()).store(key_of(1), {}, {number(1.5)});
     Registry newer;
-    newer.add(payload_type<toy::Number>("number", "A number.", [](const toy::Number&) { return std::uint64_t{8}; },
-                                        {2, [](const toy::Number&, std::ostream&) {}, [](std::istream&) { return std::make_shared<toy::Number>(0); }}));
+    newer.add(payload_type<toy::Number>(
+        "number", "A number.", [](const toy::Number&) { return std::uint64_t{8}; },
+        {2, [](const toy::Number&, std::ostream&) {},
+         [](std::istream&) { return std::make_shared<toy::Number>(0); }}));
     Cache cache(newer, scratch.path());
     CHECK_FALSE(cache.load(key_of(1)));
     CHECK(cache.damaged() == 0);
@@ -129,7 +131,9 @@ TEST_CASE("what was used longest ago goes first, until the folder is small enoug
         const timespec times[2] = {{1000 + n, 0}, {1000 + n, 0}};
         utimensat(AT_FDCWD, entries(scratch.path()).at(0).c_str(), times, 0);
         for (const auto& file : entries(scratch.path()))
-            if (fs::last_write_time(file) > fs::file_time_type::clock::now() - std::chrono::hours(1)) utimensat(AT_FDCWD, file.c_str(), times, 0);
+            if (fs::last_write_time(file) >
+                fs::file_time_type::clock::now() - std::chrono::hours(1))
+                utimensat(AT_FDCWD, file.c_str(), times, 0);
     }
     REQUIRE(cache.load(key_of(0)));  // used just now
     const auto size = fs::file_size(entries(scratch.path()).at(0));
@@ -148,7 +152,8 @@ TEST_CASE("what a killed process left half-written goes after a day, and not bef
     Cache cache(registry, scratch.path(), in_files);
     cache.store(key_of(1), {}, {number(1)});
     const auto folder = entries(scratch.path()).at(0).parent_path();
-    const std::string old = ".old.0123456789abcdef.12.0.part", fresh = ".new.0123456789abcdef.12.1.part";
+    const std::string old = ".old.0123456789abcdef.12.0.part",
+                      fresh = ".new.0123456789abcdef.12.1.part";
     for (const auto& name : {old, fresh}) std::ofstream(folder / name) << "half";
     fs::last_write_time(folder / old, fs::file_time_type::clock::now() - std::chrono::hours(25));
     cache.trim(1000000);
@@ -198,7 +203,8 @@ TEST_CASE("small entries lie many to a file, a large one in its own, and all are
     CHECK(later.damaged() == 0);
 }
 
-TEST_CASE("an entry that has a file keeps it, whichever version wrote it, and one that grows gets one") {
+TEST_CASE(
+    "an entry that has a file keeps it, whichever version wrote it, and one that grows gets one") {
     const Scratch scratch;
     const auto registry = toy::registry();
     Cache(registry, scratch.path(), in_files).store(key_of(1), {}, {number(1)});
@@ -218,7 +224,8 @@ TEST_CASE("a damaged entry of a pack is noticed, counted, and stored again, and 
     const auto registry = toy::registry();
     {
         Cache cache(registry, scratch.path());
-        for (int n = 0; n < 3; ++n) cache.store(key_of(n), {{"said", "hello " + std::to_string(n)}}, {number(n)});
+        for (int n = 0; n < 3; ++n)
+            cache.store(key_of(n), {{"said", "hello " + std::to_string(n)}}, {number(n)});
     }
     const auto file = entries(scratch.path()).at(0);
     auto bytes = Scratch::read(file);
@@ -248,8 +255,10 @@ TEST_CASE("packs go as entries do, those that were used longest ago first") {
         at_once.push_back(std::make_unique<Cache>(registry, scratch.path()));
         at_once.back()->store(key_of(n), {}, {number(n)});
         for (const auto& file : entries(scratch.path()))
-            if (fs::last_write_time(file) > fs::file_time_type::clock::now() - std::chrono::hours(1))
-                fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(10 - n));
+            if (fs::last_write_time(file) >
+                fs::file_time_type::clock::now() - std::chrono::hours(1))
+                fs::last_write_time(file,
+                                    fs::file_time_type::clock::now() - std::chrono::hours(10 - n));
     }
     REQUIRE(entries(scratch.path()).size() == 4);
     Cache cache(registry, scratch.path());

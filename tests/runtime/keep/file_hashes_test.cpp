@@ -29,13 +29,15 @@ Key file_key(const std::string& file, const std::string& folder = {}) {
 std::size_t remembered(const std::string& folder) {
     std::size_t out = 0;
     if (fs::exists(folder))
-        for (const auto& each : fs::recursive_directory_iterator(folder)) out += each.is_regular_file() ? 1 : 0;
+        for (const auto& each : fs::recursive_directory_iterator(folder))
+            out += each.is_regular_file() ? 1 : 0;
     return out;
 }
 
 std::uintmax_t remembered_bytes(const std::string& folder) {
     std::uintmax_t out = 0;
-    for (const auto& each : fs::recursive_directory_iterator(folder)) out += each.is_regular_file() ? each.file_size() : 0;
+    for (const auto& each : fs::recursive_directory_iterator(folder))
+        out += each.is_regular_file() ? each.file_size() : 0;
     return out;
 }
 
@@ -43,7 +45,8 @@ std::uintmax_t remembered_bytes(const std::string& folder) {
 
 TEST_CASE("files of the same content have the same key, whatever their names and times") {
     const Scratch scratch;
-    const auto a = scratch.write("a", "the same"), b = scratch.write("b", "the same"), c = scratch.write("c", "another");
+    const auto a = scratch.write("a", "the same"), b = scratch.write("b", "the same"),
+               c = scratch.write("c", "another");
     age(b);
     CHECK(file_key(a));
     CHECK(file_key(a) == file_key(b));
@@ -55,7 +58,9 @@ TEST_CASE("files of the same content have the same key, whatever their names and
     CHECK_FALSE(file_key(scratch / "pipe"));
 }
 
-TEST_CASE("a file that changed a moment ago is not remembered by its times, since it may change again unseen") {
+TEST_CASE(
+    "a file that changed a moment ago is not remembered by its times, since it may change again "
+    "unseen") {
     const Scratch scratch;
     const auto file = scratch.write("a", "one"), folder = scratch / "files";
     const auto first = file_key(file, folder);
@@ -65,13 +70,16 @@ TEST_CASE("a file that changed a moment ago is not remembered by its times, sinc
     CHECK(remembered(folder) == 0);
 }
 
-TEST_CASE("hashes of settled files are stored, all in one file, and read again by their times and inodes") {
+TEST_CASE(
+    "hashes of settled files are stored, all in one file, and read again by their times and "
+    "inodes") {
     const Scratch scratch;
     const auto folder = scratch / "files";
     fs::create_directory(scratch / "in");
     std::vector<std::string> all;
     std::vector<Key> keys;
-    for (int n = 0; n < 50; ++n) all.push_back(scratch.write("in/" + std::to_string(n), "content " + std::to_string(n)));
+    for (int n = 0; n < 50; ++n)
+        all.push_back(scratch.write("in/" + std::to_string(n), "content " + std::to_string(n)));
     std::this_thread::sleep_for(std::chrono::milliseconds(2100));  // as long as files count as new
     for (const auto& file : all) keys.push_back(file_key(file));
     {
@@ -81,7 +89,8 @@ TEST_CASE("hashes of settled files are stored, all in one file, and read again b
     CHECK(remembered(folder) == 1);
     const auto before = remembered_bytes(folder);
     fs::rename(scratch / "in", scratch / "moved");
-    for (std::size_t n = 0; n < all.size(); ++n) CHECK(file_key(scratch / ("moved/" + std::to_string(n)), folder) == keys[n]);
+    for (std::size_t n = 0; n < all.size(); ++n)
+        CHECK(file_key(scratch / ("moved/" + std::to_string(n)), folder) == keys[n]);
     CHECK(remembered_bytes(folder) == before);
 }
 
@@ -101,7 +110,10 @@ TEST_CASE("keys are written as 32 digits and read back, and anything else is a k
     const auto key = ContentHash().text("a").digest();
     CHECK(key.text().size() == 32);
     CHECK(Key::parse(key.text()) == key);
-    for (const auto* const text : {"", "0", "zz", "0123456789abcdef0123456789abcdeg", "0123456789abcdef0123456789abcdef0"}) CHECK_FALSE(Key::parse(text));
-    CHECK(ContentHash().text("ab").text("c").digest() != ContentHash().text("a").text("bc").digest());
+    for (const auto* const text :
+         {"", "0", "zz", "0123456789abcdef0123456789abcdeg", "0123456789abcdef0123456789abcdef0"})
+        CHECK_FALSE(Key::parse(text));
+    CHECK(ContentHash().text("ab").text("c").digest() !=
+          ContentHash().text("a").text("bc").digest());
     CHECK_FALSE(ContentHash().text("a").key(Key{}).digest());
 }

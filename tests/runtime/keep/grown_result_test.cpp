@@ -1,4 +1,5 @@
 #include "runtime/keep/grown_result.h"
+#include "graph/types/node_type.h"
 #include "tests/support/toy_nodes.h"
 
 #include <catch2/catch.hpp>
@@ -9,7 +10,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A node that wants so many of the numbers. @param fewer  whether fewer are enough, if there are no more
+/// A node that wants so many of the numbers.
+/// @param fewer  whether fewer are enough, if there are no more
 struct Wanting {
     explicit Wanting(int count, bool fewer = false) {
         const auto params = std::make_shared<toy::Top::Params>();
@@ -23,7 +25,8 @@ struct Wanting {
         type.params.push_back(spec);
         type.growth->warnings = [](const Json& entry) {
             const auto steps = entry.at("steps").size();
-            return steps > 1 ? std::vector{fmt::format("{} numbers", steps)} : std::vector<std::string>();
+            return steps > 1 ? std::vector{fmt::format("{} numbers", steps)}
+                             : std::vector<std::string>();
         };
         node.type = &type;
     }
@@ -31,10 +34,14 @@ struct Wanting {
     Node node;
 };
 
-GrownResult result_of(std::size_t count, std::uint64_t bytes = 0, bool part = false) { return {{count, 0}, bytes, part}; }
+GrownResult result_of(std::size_t count, std::uint64_t bytes = 0, bool part = false) {
+    return {{count, 0}, bytes, part};
+}
 
 /// A result with all items that there are.
-GrownResult exhausted(std::size_t count, std::uint64_t bytes = 0) { return {{count, 0}, bytes, false, true}; }
+GrownResult exhausted(std::size_t count, std::uint64_t bytes = 0) {
+    return {{count, 0}, bytes, false, true};
+}
 
 }  // namespace
 
@@ -56,7 +63,9 @@ TEST_CASE("a header says how much of a growing result there is") {
     CHECK(GrownResult::in(last)->exhausted);
 }
 
-TEST_CASE("a result that can't grow is enough for those who take fewer than they want, and for them alone") {
+TEST_CASE(
+    "a result that can't grow is enough for those who take fewer than they want, and for them "
+    "alone") {
     CHECK(exhausted(2).enough_for(Wanting(5, true).node));
     CHECK(!exhausted(2).enough_for(Wanting(5).node));
     CHECK(!result_of(2).enough_for(Wanting(5, true).node));
@@ -71,7 +80,8 @@ TEST_CASE("a result that can't grow is enough for those who take fewer than they
     CHECK(!exhausted(2, 10).holds(result_of(3, 20)));
 }
 
-TEST_CASE("a result serves smaller wishes, but fits only if it is complete and as large as the wish") {
+TEST_CASE(
+    "a result serves smaller wishes, but fits only if it is complete and as large as the wish") {
     const Wanting two(2);
     CHECK(!result_of(1).enough_for(two.node));
     CHECK(result_of(2).enough_for(two.node));
@@ -93,7 +103,8 @@ TEST_CASE("a kept result makes way for a larger one, and a part for the whole") 
 
 TEST_CASE("a result is cut with its report entry and the warnings that depend on the count") {
     const Payload all(std::make_shared<toy::Text>(toy::Text{"9 4 1 "}));
-    const Said of_all{{"a small number", "3 numbers"}, {{"tops", Json::parse(R"({"steps":["9","4","1"]})")}}};
+    const Said of_all{{"a small number", "3 numbers"},
+                      {{"tops", Json::parse(R"({"steps":["9","4","1"]})")}}};
     const auto cut_to = [&](int count) {
         auto result = all;
         auto said = of_all;

@@ -1,6 +1,5 @@
 #include "runtime/keep/input_guard.h"
-
-#include "graph/text/problem.h"
+#include "carve/base/failure.h"
 #include "tests/support/scratch.h"
 
 #include <catch2/catch.hpp>
@@ -14,7 +13,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string changed(const std::string& file) { return file + " was changed while the run was on; run again when its writer is done"; }
+std::string changed(const std::string& file) {
+    return file + " was changed while the run was on; run again when its writer is done";
+}
 
 void nothing() {}
 
@@ -37,7 +38,8 @@ TEST_CASE("a file that changed since it was first looked at is not read") {
     scratch.write("a", "another");
     scratch.write("b", "another");
     bool called = false;
-    for (const auto& file : {a, b}) CHECK_THROWS_WITH(guard.read({file}, [&] { called = true; }), changed(file));
+    for (const auto& file : {a, b})
+        CHECK_THROWS_WITH(guard.read({file}, [&] { called = true; }), changed(file));
     CHECK_FALSE(called);
     try {
         guard.read({a}, nothing);
@@ -58,9 +60,12 @@ TEST_CASE("a file of the same size and time in the place of another is another")
     CHECK_THROWS_WITH(guard.read({a}, nothing), changed(a));
 }
 
-TEST_CASE("a file that changes, appears or goes while it is read is told, whatever the reader made of it") {
+TEST_CASE(
+    "a file that changes, appears or goes while it is read is told, whatever the reader made of "
+    "it") {
     const Scratch scratch;
-    const auto a = scratch.write("a", "one"), b = scratch / "b", c = scratch.write("c", "one"), d = scratch.write("d", "one");
+    const auto a = scratch.write("a", "one"), b = scratch / "b", c = scratch.write("c", "one"),
+               d = scratch.write("d", "one");
     InputGuard guard(nullptr, {a, b, c, d});
     CHECK_THROWS_WITH(guard.read({a}, [&] { scratch.write("a", "another"); }), changed(a));
     CHECK_THROWS_WITH(guard.read({b}, [&] { scratch.write("b", "one"); }), changed(b));
@@ -75,7 +80,8 @@ TEST_CASE("a file that changes, appears or goes while it is read is told, whatev
 TEST_CASE("what a reader throws passes, if its files are as they were") {
     const Scratch scratch;
     InputGuard guard(nullptr, {scratch.write("a", "one")});
-    CHECK_THROWS_WITH(guard.read({scratch / "a"}, [] { throw Failure("is damaged"); }), "is damaged");
+    CHECK_THROWS_WITH(guard.read({scratch / "a"}, [] { throw Failure("is damaged"); }),
+                      "is damaged");
     CHECK_THROWS_AS(guard.read({scratch / "a"}, [] { throw Cancelled(); }), Cancelled);
 }
 
@@ -90,6 +96,7 @@ TEST_CASE("with a manifest, a file that it lists with another content is not rea
     scratch.write("a", "two");
     Manifest manifest(scratch / "m");
     bool called = false;
-    CHECK_THROWS_WITH(InputGuard(&manifest, {a}).read({a}, [&] { called = true; }), Catch::Contains("its hash differs"));
+    CHECK_THROWS_WITH(InputGuard(&manifest, {a}).read({a}, [&] { called = true; }),
+                      Catch::Contains("its hash differs"));
     CHECK_FALSE(called);
 }

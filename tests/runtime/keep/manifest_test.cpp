@@ -1,6 +1,5 @@
 #include "runtime/keep/manifest.h"
-
-#include "graph/text/problem.h"
+#include "carve/base/failure.h"
 #include "tests/support/scratch.h"
 
 #include <catch2/catch.hpp>
@@ -35,7 +34,10 @@ struct Listed {
         return manifest.save();
     }
     std::string text() const { return Scratch::read(path); }
-    std::string whole() const { return head + smoke + (scratch / "rig.txt") + "\n" + smoke + "in/1.vdb\n" + fire + "in/2.vdb\n"; }
+    std::string whole() const {
+        return head + smoke + (scratch / "rig.txt") + "\n" + smoke + "in/1.vdb\n" + fire +
+               "in/2.vdb\n";
+    }
     /// What is wrong with a file.
     std::string fault(const std::string& file) const {
         try {
@@ -90,14 +92,17 @@ TEST_CASE("a file whose entry is missing is added, and all others stay") {
     const auto counts = listed.save({"shot/in/1.vdb", "shot/in/2.vdb"});
     CHECK(counts.listed == 1);
     CHECK(counts.added == 1);
-    CHECK(listed.text() == head + smoke + "gone.vdb\n" + smoke + "in/1.vdb\n" + fire + "in/2.vdb\n");
+    CHECK(listed.text() ==
+          head + smoke + "gone.vdb\n" + smoke + "in/1.vdb\n" + fire + "in/2.vdb\n");
 }
 
 TEST_CASE("a damaged manifest is refused with the line") {
     const Listed listed;
     const auto refused = [&](const std::string& text, const std::string& fault) {
         std::ofstream(listed.path) << text;
-        CHECK(listed.fault("rig.txt") == listed.path + ", " + fault + "; restore the manifest, or delete it to begin a new one");
+        CHECK(listed.fault("rig.txt") ==
+              listed.path + ", " + fault +
+                  "; restore the manifest, or delete it to begin a new one");
         CHECK(listed.text() == text);
     };
     const std::string wrong_head = "it is not '" + head.substr(0, head.size() - 1) + "'";
@@ -105,7 +110,8 @@ TEST_CASE("a damaged manifest is refused with the line") {
     refused("smoke\n", "line 1: " + wrong_head);
     refused("# fluidcarve manifest 2: XXH128, bytes, path\n", "line 1: " + wrong_head);
     refused(head + smoke + "a\n\n", "line 3: it does not begin with a hash of 32 hex digits");
-    refused(head + smoke + "a\n" + smoke.substr(1) + "b\n", "line 3: it does not begin with a hash of 32 hex digits");
+    refused(head + smoke + "a\n" + smoke.substr(1) + "b\n",
+            "line 3: it does not begin with a hash of 32 hex digits");
     refused(head + smoke.substr(0, 34) + "x  a\n", "line 2: no number of bytes follows the hash");
     refused(head + smoke.substr(0, 32) + "\n", "line 2: no number of bytes follows the hash");
     refused(head + smoke + "\n", "line 2: no path follows the number of bytes");
@@ -141,17 +147,23 @@ TEST_CASE("what another process met differently is told, and its line stays") {
     listed.scratch.write("rig.txt", "other");
     listed.save({"rig.txt"});
     const auto before = listed.text();
-    CHECK_THROWS_WITH(late.save(), Catch::Contains("rig.txt is not the file that the manifest ") && Catch::Contains("its hash differs"));
+    CHECK_THROWS_WITH(late.save(), Catch::Contains("rig.txt is not the file that the manifest ") &&
+                                       Catch::Contains("its hash differs"));
     CHECK(listed.text() == before);
 }
 
-TEST_CASE("a file that no longer is what earlier runs knew is told, though the manifest does not list it yet") {
+TEST_CASE(
+    "a file that no longer is what earlier runs knew is told, though the manifest does not list it "
+    "yet") {
     const Listed listed;
     const auto file = listed.scratch.write("new", "smoke");
     Manifest manifest(listed.path);
     manifest.require(file, {Key{1, 2}, 5});
-    CHECK_THROWS_WITH(manifest.require(file), Catch::StartsWith(file + " is not the file that earlier runs knew") && Catch::Contains("its hash differs"));
-    CHECK_THROWS_WITH(manifest.require(listed.scratch / "rig.txt", {Key{1, 2}, 5}), Catch::Contains(" is not the file that the manifest "));
+    CHECK_THROWS_WITH(manifest.require(file),
+                      Catch::StartsWith(file + " is not the file that earlier runs knew") &&
+                          Catch::Contains("its hash differs"));
+    CHECK_THROWS_WITH(manifest.require(listed.scratch / "rig.txt", {Key{1, 2}, 5}),
+                      Catch::Contains(" is not the file that the manifest "));
 }
 
 TEST_CASE("paths may hold line breaks and backslashes") {
@@ -165,8 +177,11 @@ TEST_CASE("paths may hold line breaks and backslashes") {
     CHECK(Scratch::read(scratch / "m") == head + smoke + "a\\\\n\\nb\n");
 }
 
-TEST_CASE("a manifest that can't be written is told at once, and one that lists all may stay out of reach") {
-    CHECK_THROWS_WITH(Manifest("/proc/nowhere/m"), Catch::StartsWith("cannot write /proc/nowhere/m: "));
+TEST_CASE(
+    "a manifest that can't be written is told at once, and one that lists all may stay out of "
+    "reach") {
+    CHECK_THROWS_WITH(Manifest("/proc/nowhere/m"),
+                      Catch::StartsWith("cannot write /proc/nowhere/m: "));
     const Scratch scratch;
     fs::create_directory(scratch / "m");
     CHECK_THROWS_WITH(Manifest(scratch / "m"), (scratch / "m") + " is a folder");

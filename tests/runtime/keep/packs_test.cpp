@@ -1,5 +1,5 @@
 #include "runtime/keep/packs.h"
-#include "graph/text/problem.h"
+#include "carve/base/failure.h"
 #include "tests/support/keys.h"
 #include "tests/support/scratch.h"
 
@@ -20,7 +20,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string text_of(int n) { return "record " + std::to_string(n) + std::string(static_cast<std::size_t>(n % 7), '.'); }
+std::string text_of(int n) {
+    return "record " + std::to_string(n) + std::string(static_cast<std::size_t>(n % 7), '.');
+}
 
 std::string read(Packs& packs, int n) {
     const auto bytes = packs.read(key_of(n));
@@ -36,7 +38,9 @@ std::vector<fs::path> files_of(const std::string& folder) {
 
 std::size_t count_of(const std::string& folder, const std::string& ending) {
     const auto files = files_of(folder);
-    return static_cast<std::size_t>(std::count_if(files.begin(), files.end(), [&](const fs::path& file) { return file.extension() == ending; }));
+    return static_cast<std::size_t>(
+        std::count_if(files.begin(), files.end(),
+                      [&](const fs::path& file) { return file.extension() == ending; }));
 }
 
 /// Adds records as another process, which ends as if it was killed, or closes its pack.
@@ -91,7 +95,8 @@ TEST_CASE("the newest record of a key counts, in whatever pack it is") {
     }
 }
 
-TEST_CASE("of a pack that was cut off anywhere, the records before are there, and the others missing") {
+TEST_CASE(
+    "of a pack that was cut off anywhere, the records before are there, and the others missing") {
     const Scratch scratch;
     {
         Packs packs(scratch.path());
@@ -122,7 +127,9 @@ TEST_CASE("of a pack that was cut off anywhere, the records before are there, an
     CHECK(read(packs, 3) == "none");
 }
 
-TEST_CASE("a flipped bit anywhere costs records, but none comes back wrong, and each can be added again") {
+TEST_CASE(
+    "a flipped bit anywhere costs records, but none comes back wrong, and each can be added "
+    "again") {
     const Scratch scratch;
     {
         Packs packs(scratch.path());
@@ -164,10 +171,13 @@ TEST_CASE("processes that write at once lose nothing, and the next ones go on wi
                 const int first = (round * writers + w) * records;
                 for (int part = 0; part < 2; ++part) {
                     Packs packs(scratch.path());
-                    for (int n = first + part * records / 2; n < first + (part + 1) * records / 2; ++n) {
+                    for (int n = first + part * records / 2; n < first + (part + 1) * records / 2;
+                         ++n) {
                         packs.add(key_of(n), text_of(n));
                         packs.add(key_of(-1 - n % 5), text_of(n % 5));  // of many
-                        if (read(packs, n) != text_of(n) || read(packs, -1 - n % 5) != text_of(n % 5) || packs.damaged() > 0) _exit(1);
+                        if (read(packs, n) != text_of(n) ||
+                            read(packs, -1 - n % 5) != text_of(n % 5) || packs.damaged() > 0)
+                            _exit(1);
                     }
                 }
                 _exit(0);
@@ -218,7 +228,9 @@ TEST_CASE("what a killed process wrote is read, and its pack left alone") {
     CHECK(files_of(scratch.path()).size() == 2);
 }
 
-TEST_CASE("a pack that was claimed by a process meanwhile is read under its new name, with what was appended") {
+TEST_CASE(
+    "a pack that was claimed by a process meanwhile is read under its new name, with what was "
+    "appended") {
     const Scratch scratch;
     add_elsewhere(scratch.path(), 0, 10, false);
     Packs packs(scratch.path());
@@ -259,7 +271,9 @@ TEST_CASE("where no pack can be made the fault is told, and files of others are 
     CHECK(read(packs, 1) == "none");
     const std::string digits(32, 'a');
     for (const auto* const ending : {".pack", ".open"}) CHECK(Packs::is_name(digits + ending));
-    for (const auto& name : {digits, digits + ".part", digits.substr(1) + ".pack", "smoke" + digits + ".pack", digits + ".pack.pack", std::string("g.pack")})
+    for (const auto& name :
+         {digits, digits + ".part", digits.substr(1) + ".pack", "smoke" + digits + ".pack",
+          digits + ".pack.pack", std::string("g.pack")})
         CHECK_FALSE(Packs::is_name(name));
     const Scratch scratch;
     const auto file = scratch.write(digits + ".pack", "of somebody else");

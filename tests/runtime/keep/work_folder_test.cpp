@@ -1,5 +1,5 @@
 #include "runtime/keep/work_folder.h"
-#include "graph/output_file.h"
+#include "formats/file/output_file.h"
 #include "runtime/keep/cache.h"
 #include "tests/support/keys.h"
 #include "tests/support/scratch.h"
@@ -23,7 +23,8 @@ namespace {
 std::map<std::string, std::string> texts_of(const std::string& folder) {
     std::map<std::string, std::string> out;
     for (const auto& entry : fs::recursive_directory_iterator(folder))
-        if (entry.is_regular_file()) out[entry.path().string()] = Scratch::read(entry.path().string());
+        if (entry.is_regular_file())
+            out[entry.path().string()] = Scratch::read(entry.path().string());
     return out;
 }
 
@@ -36,7 +37,8 @@ void put(const std::string& path, const std::string& text) {
 void keep(const std::string& folder, int count, bool packed = false) {
     const auto registry = toy::registry();
     Cache cache(registry, folder, packed ? Cache::small : 0);
-    for (int n = 0; n < count; ++n) REQUIRE(cache.store(key_of(n), {{"n", n}}, {Payload(std::make_shared<toy::Number>(n))}));
+    for (int n = 0; n < count; ++n)
+        REQUIRE(cache.store(key_of(n), {{"n", n}}, {Payload(std::make_shared<toy::Number>(n))}));
 }
 
 }  // namespace
@@ -47,18 +49,24 @@ TEST_CASE("a work folder is marked where there was nothing, and only there") {
     CHECK(WorkFolder(fresh).fault() == "");
     WorkFolder(fresh).make();
     CHECK(WorkFolder(fresh).marked());
-    CHECK(Scratch::read(fresh + "/CACHEDIR.TAG").starts_with("Signature: 8a477f597d28d172789f06886806bc55\n"));
+    CHECK(Scratch::read(fresh + "/CACHEDIR.TAG")
+              .starts_with("Signature: 8a477f597d28d172789f06886806bc55\n"));
     put(used + "/cache/sim/smoke.0001.vdb", "smoke");
     WorkFolder(used).make();
     CHECK(!WorkFolder(used).marked());
     CHECK(WorkFolder(used).fault() ==
-          "'" + used + "' is not a work folder of fluidcarve: it has no CACHEDIR.TAG written by fluidcarve, so nothing in it may be removed; name " +
+          "'" + used +
+              "' is not a work folder of fluidcarve: it has no CACHEDIR.TAG written by fluidcarve, "
+              "so nothing in it may be removed; name " +
               "another with --work");
-    put(used + "/CACHEDIR.TAG", "Signature: 8a477f597d28d172789f06886806bc55\n# of another program\n");
+    put(used + "/CACHEDIR.TAG",
+        "Signature: 8a477f597d28d172789f06886806bc55\n# of another program\n");
     CHECK(!WorkFolder(used).marked());
 }
 
-TEST_CASE("a work folder whose first run was killed while it made the mark is marked by the next, and keeps nothing of the first") {
+TEST_CASE(
+    "a work folder whose first run was killed while it made the mark is marked by the next, and "
+    "keeps nothing of the first") {
     const Scratch scratch;
     const auto work = scratch / "work";
     if (const auto first = fork(); first == 0) {
@@ -73,14 +81,17 @@ TEST_CASE("a work folder whose first run was killed while it made the mark is ma
     CHECK(std::distance(fs::directory_iterator(work), {}) == 1);
 }
 
-TEST_CASE("what was used lately stays if only older results are to go, and a dry run removes nothing") {
+TEST_CASE(
+    "what was used lately stays if only older results are to go, and a dry run removes nothing") {
     const Scratch scratch;
     const auto work = scratch / "work";
     WorkFolder(work).make();
     keep(work, 4);
     const auto entries = WorkFolder(work).entries();
     REQUIRE(entries.size() == 4);
-    for (const std::size_t n : {0u, 1u, 2u}) fs::last_write_time(entries[n].path, fs::file_time_type::clock::now() - std::chrono::hours(24 * 8));
+    for (const std::size_t n : {0u, 1u, 2u})
+        fs::last_write_time(entries[n].path,
+                            fs::file_time_type::clock::now() - std::chrono::hours(24 * 8));
     const auto before = texts_of(work);
     WorkFolder::Wish wish{std::chrono::hours(24 * 7), true};
     auto cleaned = WorkFolder(work).clean(wish);
@@ -97,18 +108,25 @@ TEST_CASE("what was used lately stays if only older results are to go, and a dry
     CHECK(!fs::exists(work));
 }
 
-TEST_CASE("of several shots in a work folder, one alone is cleaned, and what serves several stays") {
+TEST_CASE(
+    "of several shots in a work folder, one alone is cleaned, and what serves several stays") {
     const Scratch scratch;
     const auto work = scratch / "work";
     WorkFolder(work).make();
     const auto registry = toy::registry();
     for (int n = 0; n < 6; ++n)
-        REQUIRE(Cache(registry, work, 0).store(key_of(n), {{"shot", n < 4 ? "sh010" : "sh020"}}, {Payload(std::make_shared<toy::Number>(n))}));
-    REQUIRE(Cache(registry, work).store(key_of(9), {{"shot", "sh010"}}, {Payload(std::make_shared<toy::Number>(9))}));
+        REQUIRE(Cache(registry, work, 0)
+                    .store(key_of(n), {{"shot", n < 4 ? "sh010" : "sh020"}},
+                           {Payload(std::make_shared<toy::Number>(n))}));
+    REQUIRE(
+        Cache(registry, work)
+            .store(key_of(9), {{"shot", "sh010"}}, {Payload(std::make_shared<toy::Number>(9))}));
     for (const std::string shot : {"sh010", "sh020"}) {
-        put(work + "/runs/" + shot + ".host.12.34.json", R"({"pid": 1, "host": "a", "pipeline": "shots/)" + shot + R"(.yaml", "nodes": {}})");
+        put(work + "/runs/" + shot + ".host.12.34.json",
+            R"({"pid": 1, "host": "a", "pipeline": "shots/)" + shot + R"(.yaml", "nodes": {}})");
         put(work + "/history/" + shot + ".json", R"({"sim": {"type": "toy.count", "version": 1}})");
-        put(work + "/jobs/" + shot + ".1/job.json", R"({"pipeline": "shots/)" + shot + R"(.yaml", "engine": "local", "steps": []})");
+        put(work + "/jobs/" + shot + ".1/job.json",
+            R"({"pipeline": "shots/)" + shot + R"(.yaml", "engine": "local", "steps": []})");
     }
     const auto cleaned = WorkFolder(work).clean({.shot = "sh010"});
     CHECK(cleaned.removed == 7);
@@ -120,7 +138,9 @@ TEST_CASE("of several shots in a work folder, one alone is cleaned, and what ser
     CHECK(WorkFolder(work).marked());
 }
 
-TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of others, wherever that lies and whatever it is called") {
+TEST_CASE(
+    "trimming and cleaning remove what fluidcarve wrote, and nothing of others, wherever that lies "
+    "and whatever it is called") {
     std::mt19937 random(5);
     const std::string hex = "0123456789abcdef";
     for (int round = 0; round < 100; ++round) {
@@ -129,18 +149,23 @@ TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of ot
         WorkFolder(work).make();
         keep(work, 12);
         Packs(work + "/files").add(key_of(0), std::string("a hash"));
-        put(work + "/runs/shot.host.12.34.json", R"({"pid": 1, "host": "a", "pipeline": "p", "nodes": {}})");
+        put(work + "/runs/shot.host.12.34.json",
+            R"({"pid": 1, "host": "a", "pipeline": "p", "nodes": {}})");
         put(work + "/history/shot.json", R"({"sim": {"type": "toy.count", "version": 1}})");
         const auto before = texts_of(work);
-        // Of others: any name in any place, names of our form with other content, and what hidden files there are.
+        // Of others: any name in any place, names of our form with other content, and what hidden
+        // files there are.
         const auto part = [&] {
-            return std::vector<std::string>{"", "/cache", "/files", "/history", "/runs", "/cache/ab", "/files/cd", "/scans"}[random() % 8];
+            return std::vector<std::string>{"",      "/cache",    "/files",    "/history",
+                                            "/runs", "/cache/ab", "/files/cd", "/scans"}[random() %
+                                                                                         8];
         };
         for (int n = 0; n < 30; ++n) {
             std::string name;
             for (int c = 0; c < 30; ++c) name += hex[random() % 16];
-            const std::vector<std::string> names{name,    name + "ab.pack", name + "cd.open", "smoke.0001.vdb", ".hidden",
-                                                 "a.txt", "notes.json",     ".smoke.part",    ".a.b.part.vdb"};
+            const std::vector<std::string> names{
+                name,    name + "ab.pack", name + "cd.open", "smoke.0001.vdb", ".hidden",
+                "a.txt", "notes.json",     ".smoke.part",    ".a.b.part.vdb"};
             const auto path = work + part() + "/" + names[random() % names.size()];
             if (!before.contains(path)) put(path, "of somebody else " + std::to_string(n));
         }
@@ -188,14 +213,17 @@ TEST_CASE("a work folder without others' files is gone once it is clean") {
     CHECK(!fs::exists(work));
 }
 
-TEST_CASE("hashes of input files that nobody asked for in a month go, in packs and as earlier versions kept them") {
+TEST_CASE(
+    "hashes of input files that nobody asked for in a month go, in packs and as earlier versions "
+    "kept them") {
     const Scratch scratch;
     const auto work = scratch / "work", earlier = work + "/files/" + key_of(1).path();
     WorkFolder(work).make();
     Packs(work + "/files").add(key_of(0), std::string("a hash"));
     put(earlier, key_of(2).text() + " " + key_of(3).text() + "\n");
     CHECK(WorkFolder(work).outdated().empty());
-    for (const auto& [path, text] : texts_of(work + "/files")) fs::last_write_time(path, fs::file_time_type::clock::now() - std::chrono::hours(24 * 31));
+    for (const auto& [path, text] : texts_of(work + "/files"))
+        fs::last_write_time(path, fs::file_time_type::clock::now() - std::chrono::hours(24 * 31));
     CHECK(WorkFolder(work).outdated().size() == 2);
     put(work + "/files/" + std::string(32, 'a') + ".pack", "of somebody else");
     CHECK(WorkFolder(work).clean({}).removed == 2);
@@ -214,7 +242,9 @@ TEST_CASE("nothing is removed from an unmarked folder, nor through a link") {
     WorkFolder(linked).make();
     fs::create_directory_symlink(bare + "/cache", linked + "/cache");
     CHECK(WorkFolder(linked).fault() ==
-          "'" + linked + "/cache' is a link: what it leads to may belong to others; make it a folder, or name another with --work");
+          "'" + linked +
+              "/cache' is a link: what it leads to may belong to others; make it a folder, or name "
+              "another with --work");
     CHECK(Cache(registry, linked).trim(0).files == 0);
     CHECK(texts_of(bare).size() == 3);
 }

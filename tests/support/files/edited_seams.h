@@ -1,7 +1,7 @@
 #pragma once
 
-#include "graph/text/problem.h"
-#include "nodes/seams/seam_file.h"
+#include "carve/base/failure.h"
+#include "formats/seam_file/seam_file.h"
 
 #include <openvdb/openvdb.h>
 #include <catch2/catch.hpp>
@@ -19,7 +19,8 @@ using SeamEdit = std::function<void(Volume&, std::vector<FloatGrid::Ptr>&)>;
 /// @return the message of the failure; empty: it was read
 inline std::string fault_after(Volume volume, const SeamEdit& edit) {
     std::vector<FloatGrid::Ptr> grids;
-    for (const auto& grid : volume.grids) grids.push_back(openvdb::GridBase::grid<FloatGrid>(grid->deepCopyGrid()));
+    for (const auto& grid : volume.grids)
+        grids.push_back(openvdb::GridBase::grid<FloatGrid>(grid->deepCopyGrid()));
     for (std::size_t n = 0; n < grids.size(); ++n) volume.grids[n] = grids[n];
     edit(volume, grids);
     try {

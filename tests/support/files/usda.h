@@ -14,7 +14,8 @@ namespace fluidcarve::test {
 
 /// A value of a .usda file.
 struct UsdaValue {
-    std::string text;                                ///< of a number, a text, <a path>, @a file@ or a word, without what encloses it
+    std::string
+        text;  ///< of a number, a text, <a path>, @a file@ or a word, without what encloses it
     std::vector<UsdaValue> items;                    ///< of (a, b) and [a, b]
     std::vector<std::pair<int, UsdaValue>> samples;  ///< of {1: a, 2: b}, in the order of the file
     std::map<std::string, UsdaValue> entries;        ///< of a dictionary, by type and name
@@ -43,9 +44,11 @@ inline UsdaValue::~UsdaValue() = default;
 /// A prim of a .usda file, or the file itself.
 struct UsdaPrim {
     std::string type, name;
-    std::map<std::string, UsdaValue> metadata;                                       ///< by what stands before the `=`
-    std::map<std::string, UsdaValue> properties;                                     ///< by type and name: "asset filePath.timeSamples"
-    std::map<std::string, std::map<std::string, UsdaValue>> metadata_of_properties;  ///< by type and name
+    std::map<std::string, UsdaValue> metadata;  ///< by what stands before the `=`
+    std::map<std::string, UsdaValue>
+        properties;  ///< by type and name: "asset filePath.timeSamples"
+    std::map<std::string, std::map<std::string, UsdaValue>>
+        metadata_of_properties;  ///< by type and name
     std::vector<UsdaPrim> prims;
 
     const UsdaPrim& prim(const std::string& wanted) const {
@@ -78,7 +81,8 @@ private:
         UsdaPrim out;
         if (peek() != '"') out.type = word();
         out.name = value().text;
-        if (!std::regex_match(out.name, std::regex("[A-Za-z_][A-Za-z0-9_]*"))) fault("a legal name");
+        if (!std::regex_match(out.name, std::regex("[A-Za-z_][A-Za-z0-9_]*")))
+            fault("a legal name");
         if (take('(')) out.metadata = fields(')');
         want('{');
         while (!take('}'))
@@ -91,9 +95,11 @@ private:
 
     void add_property(UsdaPrim& to) {
         const auto declared = declaration();
-        static const std::regex legal(R"((uniform )?[a-z][a-z0-9A-Z]*(\[\])? [A-Za-z_][A-Za-z0-9_]*(:[A-Za-z_][A-Za-z0-9_]*)*(\.timeSamples)?)");
+        static const std::regex legal(
+            R"((uniform )?[a-z][a-z0-9A-Z]*(\[\])? [A-Za-z_][A-Za-z0-9_]*(:[A-Za-z_][A-Za-z0-9_]*)*(\.timeSamples)?)");
         if (!std::regex_match(declared, legal)) fault("a type and a legal name, not " + declared);
-        if (take('=') && !to.properties.emplace(declared, value()).second) fault(declared + " but once");
+        if (take('=') && !to.properties.emplace(declared, value()).second)
+            fault(declared + " but once");
         if (take('(')) to.metadata_of_properties[declared] = fields(')');
     }
 
@@ -118,7 +124,8 @@ private:
             case '[': out.items = items('[', ']'); break;
             case '{':
                 want('{');
-                if (std::isdigit(static_cast<unsigned char>(peek())) || peek() == '-') out.samples = samples();
+                if (std::isdigit(static_cast<unsigned char>(peek())) || peek() == '-')
+                    out.samples = samples();
                 else out.entries = fields('}');
                 break;
             default: out.text = word();
@@ -197,7 +204,9 @@ private:
         peek();
         const auto begin = at_;
         // A colon belongs to a name if the name goes on behind it.
-        while (at_ < text_.size() && in_word(text_[at_]) && (text_[at_] != ':' || in_word(text_[at_ + 1]))) ++at_;
+        while (at_ < text_.size() && in_word(text_[at_]) &&
+               (text_[at_] != ':' || in_word(text_[at_ + 1])))
+            ++at_;
         // An array's type ends with its brackets.
         if (text_.substr(at_, 2) == "[]" && at_ > begin) at_ += 2;
         if (at_ == begin) fault("a word");
@@ -205,7 +214,8 @@ private:
     }
 
     static bool in_word(char c) {
-        return std::isalnum(static_cast<unsigned char>(c)) || (c != '\0' && std::string_view("_:.+-").find(c) != std::string_view::npos);
+        return std::isalnum(static_cast<unsigned char>(c)) ||
+               (c != '\0' && std::string_view("_:.+-").find(c) != std::string_view::npos);
     }
 
     bool ended() { return peek() == '\0'; }
@@ -222,9 +232,13 @@ private:
         if (!take(c)) fault(std::string(1, c));
     }
     [[noreturn]] void fault(const std::string& wanted) const {
-        throw std::runtime_error("line " +
-                                 std::to_string(1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(std::min(at_, text_.size())), '\n')) +
-                                 " of the .usda file lacks " + wanted);
+        throw std::runtime_error(
+            "line " +
+            std::to_string(1 + std::count(text_.begin(),
+                                          text_.begin() + static_cast<std::ptrdiff_t>(
+                                                              std::min(at_, text_.size())),
+                                          '\n')) +
+            " of the .usda file lacks " + wanted);
     }
 
     const std::string& text_;

@@ -5,14 +5,17 @@
 #include <string_view>
 #include <vector>
 
-/// Whether all elements of XML or HTML are closed in order, all attributes are quoted and no stray < or & is left.
+/// Whether all elements of XML or HTML are closed in order, all attributes are quoted and no stray
+/// < or & is left.
 inline bool well_formed(std::string_view xml) {
     std::vector<std::string_view> open;
     for (auto at = xml.find_first_of("<&"); at != xml.npos; at = xml.find_first_of("<&", at + 1)) {
         const auto rest = xml.substr(at + 1);
         if (xml[at] == '&') {
             const auto names = {"lt;", "gt;", "amp;", "quot;"};
-            if (std::none_of(names.begin(), names.end(), [&](const char* name) { return rest.starts_with(name); })) return false;
+            if (std::none_of(names.begin(), names.end(),
+                             [&](const char* name) { return rest.starts_with(name); }))
+                return false;
             continue;
         }
         const auto end = rest.find_first_of("<>");
@@ -24,7 +27,8 @@ inline bool well_formed(std::string_view xml) {
         if (tag.starts_with('/')) {
             if (open.empty() || open.back() != tag.substr(1)) return false;
             open.pop_back();
-        } else if (!tag.ends_with('/') && std::find(alone.begin(), alone.end(), name) == alone.end()) {
+        } else if (!tag.ends_with('/') &&
+                   std::find(alone.begin(), alone.end(), name) == alone.end()) {
             open.push_back(name);
         }
     }

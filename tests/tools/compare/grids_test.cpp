@@ -1,6 +1,6 @@
 #include "tools/compare/grids.h"
 
-#include "nodes/payloads.h"
+#include "carve/volume/volume.h"
 #include "tools/compare/picture.h"
 
 #include <catch2/catch.hpp>
@@ -16,7 +16,8 @@ namespace {
 
 const FilePair files{"a.vdb", "b.vdb"};
 
-PartDifference compared(const openvdb::GridBase& a, const openvdb::GridBase& b, const Tolerance& tolerance = {}) {
+PartDifference compared(const openvdb::GridBase& a, const openvdb::GridBase& b,
+                        const Tolerance& tolerance = {}) {
     return compare_grids("density", a, b, files, tolerance);
 }
 
@@ -83,7 +84,8 @@ TEST_CASE("tiles count as their voxels, and stay tiles") {
     CHECK(a.tree().leafCount() == 0);
 }
 
-TEST_CASE("vectors differ by the length of their difference, numbers that are not finite by infinity") {
+TEST_CASE(
+    "vectors differ by the length of their difference, numbers that are not finite by infinity") {
     VectorGrid a, b;
     a.tree().setValue({0, 0, 0}, {3, 4, 7});
     b.tree().setValue({0, 0, 0}, {0, 0, 7});
@@ -109,7 +111,8 @@ TEST_CASE("grids of another type, transform, class or background are told as suc
     b.setGridClass(openvdb::GRID_LEVEL_SET);
     CHECK(compared(a, b).faults == std::vector<std::string>{
                                        "background: 0 in A, 1 in B",
-                                       "transform: voxels of 1 x 1 x 1, the first at [0, 0, 0] in A; voxels of 0.5 x 0.5 x 0.5, the first at [0, 0, 0] in B",
+                                       "transform: voxels of 1 x 1 x 1, the first at [0, 0, 0] in "
+                                       "A; voxels of 0.5 x 0.5 x 0.5, the first at [0, 0, 0] in B",
                                        "class: unknown in A, level set in B",
                                    });
     const openvdb::DoubleGrid c;
@@ -117,18 +120,21 @@ TEST_CASE("grids of another type, transform, class or background are told as suc
 }
 
 TEST_CASE("positions are compared one by one, if there are as many") {
-    const auto moved = compare_positions("mesh", "vertices", {{0, 0, 0}, {1, 2, 3}}, {{0, 0, 0}, {1, 2, 1}}, {});
+    const auto moved =
+        compare_positions("mesh", "vertices", {{0, 0, 0}, {1, 2, 3}}, {{0, 0, 0}, {1, 2, 1}}, {});
     CHECK(moved.compared == 2);
     CHECK(moved.over == 1);
     CHECK(moved.peak == 2);
     CHECK(moved.worst->index == std::vector<std::int64_t>{1});
     CHECK(*moved.worst->world == std::array<double, 3>{1, 2, 3});
-    const auto more = compare_positions("mesh", "vertices", {{0, 0, 0}}, {{0, 0, 0}, {1, 2, 1}}, {});
+    const auto more =
+        compare_positions("mesh", "vertices", {{0, 0, 0}}, {{0, 0, 0}, {1, 2, 1}}, {});
     CHECK(more.faults == std::vector<std::string>{"vertices: 1 in A, 2 in B"});
     CHECK(more.compared == 0);
 }
 
-TEST_CASE("the picture shows A, B and their difference side by side, in colours that can be compared") {
+TEST_CASE(
+    "the picture shows A, B and their difference side by side, in colours that can be compared") {
     const auto a = FloatGrid::create(), b = FloatGrid::create();
     a->denseFill(CoordBBox(Coord(0), Coord(7, 7, 0)), 1, true);
     b->denseFill(CoordBBox(Coord(0), Coord(7, 7, 0)), 1, true);
@@ -137,7 +143,9 @@ TEST_CASE("the picture shows A, B and their difference side by side, in colours 
     // 8 x 8 voxels of 32 pixels; columns of 256 pixels, 14 apart, from (20, 126) on.
     CHECK(picture.width() == 836);
     CHECK(picture.height() == 438);
-    const auto at = [&](int column, int x, int y) { return picture.at(20 + column * 270 + x * 32 + 16, 126 + (7 - y) * 32 + 16); };
+    const auto at = [&](int column, int x, int y) {
+        return picture.at(20 + column * 270 + x * 32 + 16, 126 + (7 - y) * 32 + 16);
+    };
     CHECK(at(0, 5, 2) == heat(0.5));
     CHECK(at(1, 5, 2) == heat(1));
     CHECK(at(1, 1, 1) == heat(0.5));

@@ -1,6 +1,6 @@
 #include "tools/inspect/volume.h"
 
-#include "nodes/io/vdb_file.h"
+#include "formats/vdb/vdb_file.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
 
@@ -16,7 +16,9 @@ namespace {
 
 const std::string data = TEST_DATA;
 
-std::vector<std::string> oddities(const Json& facts) { return facts["oddities"].get<std::vector<std::string>>(); }
+std::vector<std::string> oddities(const Json& facts) {
+    return facts["oddities"].get<std::vector<std::string>>();
+}
 
 openvdb::GridBase::Ptr named(const openvdb::GridBase::Ptr& grid, const std::string& name) {
     grid->setName(name);
@@ -45,34 +47,45 @@ TEST_CASE("inspect says what is in a file of Blender's, and what surprises in it
     const double voxel = density["transform"]["voxel_size"][0];
     for (int axis = 0; axis < 3; ++axis) {
         CHECK(density["world_box"][0][axis].get<double>() == Approx(0.5 * voxel));
-        CHECK(density["world_box"][1][axis].get<double>() == Approx((axis == 2 ? 86.5 : 42.5) * voxel));
+        CHECK(density["world_box"][1][axis].get<double>() ==
+              Approx((axis == 2 ? 86.5 : 42.5) * voxel));
     }
     CHECK(density["range"][1].get<double>() == Approx(0.996582).epsilon(1e-6));
     CHECK(density["metadata"]["file_base_resolution"] == "[44, 44, 88]");
     CHECK(oddities(facts) ==
           std::vector<std::string>{
               "velocity: staggered: component c stands on the face below its voxel along axis c",
-              "velocity: its vector type is invariant: other tools don't rotate it with its transform",
+              "velocity: its vector type is invariant: other tools don't rotate it with its "
+              "transform",
               "velocity: if Blender wrote it, in tenths of a voxel per frame, roughly",
-              "density, temperature: active only above 1e-06: derivatives jump at the border of the smoke",
-              "shadow: -1 everywhere in its box: it shows no content, so fit the lattice to another grid",
+              "density, temperature: active only above 1e-06: derivatives jump at the border of "
+              "the smoke",
+              "shadow: -1 everywhere in its box: it shows no content, so fit the lattice to "
+              "another grid",
               "flame: no active voxels",
-              "the grids start at the world's origin: Blender's caches lose their place in the scene; the reader's `translate` gives it back",
+              "the grids start at the world's origin: Blender's caches lose their place in the "
+              "scene; the reader's `translate` gives it back",
           });
 }
 
 TEST_CASE("inspect's text names file, grids, spaces and notes") {
     CHECK(vdb_inspector().text(vdb_inspector().look(data + "/vdb/gaffer_arnold_sphere.vdb")) ==
           data +
-              "/vdb/gaffer_arnold_sphere.vdb: 78110 bytes, version 223, compression blosc, as Houdini writes\n"
+              "/vdb/gaffer_arnold_sphere.vdb: 78110 bytes, version 223, compression blosc, as "
+              "Houdini writes\n"
               "  creator: Houdini 15.0.244.16/GEO_VDBTranslator\n"
-              "  density  float    fog volume             465 voxels in [-5,-4,-5] to [5,4,5], world [-1.1, 1.1, -1.1] to [1.1, 2.9, 1.1], 1.11658e-07 to 1\n"
-              "  voxels of [0.2, 0.2, 0.2], the first at [0, 2, 0], UniformScaleTranslateMap (density)\n"
+              "  density  float    fog volume             465 voxels in [-5,-4,-5] to [5,4,5], "
+              "world [-1.1, 1.1, -1.1] to [1.1, 2.9, 1.1], 1.11658e-07 to 1\n"
+              "  voxels of [0.2, 0.2, 0.2], the first at [0, 2, 0], UniformScaleTranslateMap "
+              "(density)\n"
               "  note: the file's version is 223; it would be written as 224\n");
-    CHECK_THAT(vdb_inspector().text(vdb_inspector().look(data + "/vdb/cortex_points.vdb")), Catch::Contains(", 8 points with P (vec3s fxpt16)\n"));
+    CHECK_THAT(vdb_inspector().text(vdb_inspector().look(data + "/vdb/cortex_points.vdb")),
+               Catch::Contains(", 8 points with P (vec3s fxpt16)\n"));
 }
 
-TEST_CASE("inspect finds values that are not finite, odd voxels, odd level sets, shared and equal-named grids") {
+TEST_CASE(
+    "inspect finds values that are not finite, odd voxels, odd level sets, shared and equal-named "
+    "grids") {
     openvdb::initialize();
     const Scratch scratch;
     const auto bad = FloatGrid::create();
@@ -81,22 +94,30 @@ TEST_CASE("inspect finds values that are not finite, odd voxels, odd level sets,
     bad->tree().setValue({1, 4, 5}, 2.5f);
     const auto flat = FloatGrid::create();
     flat->tree().setValue({0, 0, 0}, 1);
-    flat->setTransform(openvdb::math::Transform::createLinearTransform(openvdb::math::Mat4d(.1, 0., 0., 0., 0., .2, 0., 0., 0., 0., .1, 0., 0., 0., 0., 1.)));
+    flat->setTransform(openvdb::math::Transform::createLinearTransform(
+        openvdb::math::Mat4d(.1, 0., 0., 0., 0., .2, 0., 0., 0., 0., .1, 0., 0., 0., 0., 1.)));
     const auto dense = FloatGrid::create(0);
     dense->tree().setValue({0, 0, 0}, 1);
     dense->setGridClass(openvdb::GRID_LEVEL_SET);
-    const auto facts = look_at(scratch, {{named(bad, "density"), named(flat, "flat"), named(dense, "phi"), bad->copyGrid()}, {}, {}});
+    const auto facts =
+        look_at(scratch,
+                {{named(bad, "density"), named(flat, "flat"), named(dense, "phi"), bad->copyGrid()},
+                 {},
+                 {}});
     CHECK(facts["profile"].is_null());
     CHECK(facts["grids"][0]["range"] == Json{2.5, 2.5});
-    CHECK(oddities(facts) == std::vector<std::string>{
-                                 "density[0], density[1]: 2 values are not finite, the first at voxel [2,4,5]: energies refuse them",
-                                 "density[0], density[1]: no class: treated as a fog volume",
-                                 "flat: voxels that are no cubes (0.1 x 0.2 x 0.1): distances refuse them",
-                                 "phi: called a level set, but its background is not above 0: dense values in voxels, no narrow band",
-                                 "flat: another transform than density[0]",
-                                 "density[1]: not the only grid of its name",
-                                 "density[1]: shares its voxels with a grid before it",
-                             });
+    CHECK(oddities(facts) ==
+          std::vector<std::string>{
+              "density[0], density[1]: 2 values are not finite, the first at voxel [2,4,5]: "
+              "energies refuse them",
+              "density[0], density[1]: no class: treated as a fog volume",
+              "flat: voxels that are no cubes (0.1 x 0.2 x 0.1): distances refuse them",
+              "phi: called a level set, but its background is not above 0: dense values in voxels, "
+              "no narrow band",
+              "flat: another transform than density[0]",
+              "density[1]: not the only grid of its name",
+              "density[1]: shares its voxels with a grid before it",
+          });
     CHECK(oddities(look_at(scratch, {})) == std::vector<std::string>{"no grids"});
 }
 
@@ -108,7 +129,10 @@ TEST_CASE("inspect tells three grids that are one vector") {
         grid->tree().setValue({0, 0, 0}, 1);
         volume.grids.push_back(named(grid, name));
     }
-    CHECK(oddities(look_at(scratch, volume)) == std::vector<std::string>{"vel.x, vel.y, vel.z: a vector in three grids: name it under `grids: {vel: vector}`"});
+    CHECK(
+        oddities(look_at(scratch, volume)) ==
+        std::vector<std::string>{
+            "vel.x, vel.y, vel.z: a vector in three grids: name it under `grids: {vel: vector}`"});
 }
 
 TEST_CASE("several files are compared: grids whose voxels or domain change are told once") {
@@ -124,9 +148,11 @@ TEST_CASE("several files are compared: grids whose voxels or domain change are t
     };
     const auto compare = vdb_inspector().compare;
     CHECK(compare({at("a", 0.1, "[8, 8, 8]"), at("b", 0.1, "[8, 8, 8]")}).empty());
-    CHECK(compare({at("a", 0.1, "[8, 8, 8]"), at("b", 0.1, "[8, 8, 9]"), at("c", 0.2, "[8, 8, 9]")}) ==
+    CHECK(compare(
+              {at("a", 0.1, "[8, 8, 8]"), at("b", 0.1, "[8, 8, 9]"), at("c", 0.2, "[8, 8, 9]")}) ==
           std::vector<std::string>{
-              "density, heat: voxels of 0.1, 0.1, 0.1 in a domain of [8, 8, 8] in a, but voxels of 0.1, 0.1, 0.1 in a domain of [8, 8, 9] in b: if "
+              "density, heat: voxels of 0.1, 0.1, 0.1 in a domain of [8, 8, 8] in a, but voxels of "
+              "0.1, 0.1, 0.1 in a domain of [8, 8, 9] in b: if "
               "these are frames of one sequence, its domain is adaptive, and no lattice fits"});
 }
 
@@ -144,8 +170,10 @@ TEST_CASE("of very many entries of metadata the first are listed, and their numb
     CHECK(facts["grids"][0]["metadata"].size() == 1000);
     const auto lines = oddities(facts);
     const auto tells = [&](const std::string& start) {
-        return std::ranges::any_of(
-            lines, [&](const auto& line) { return line.starts_with(start) && line.ends_with("entries of metadata, of which the first 1000 are listed"); });
+        return std::ranges::any_of(lines, [&](const auto& line) {
+            return line.starts_with(start) &&
+                   line.ends_with("entries of metadata, of which the first 1000 are listed");
+        });
     };
     CHECK(tells("1234"));
     CHECK(tells("density: 12"));

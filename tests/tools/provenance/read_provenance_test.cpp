@@ -1,12 +1,12 @@
 #include "tools/provenance/read_provenance.h"
 
-#include "graph/types/module.h"
-#include "nodes/image/image_provenance.h"
-#include "nodes/image/image_volume.h"
-#include "nodes/io/provenance_metadata.h"
-#include "nodes/io/vdb_file.h"
-#include "nodes/mesh/mesh_file.h"
-#include "nodes/points/file.h"
+#include "formats/file/module.h"
+#include "formats/image/image_provenance.h"
+#include "formats/image/image_volume.h"
+#include "formats/mesh_file/mesh_file.h"
+#include "formats/points_file/file.h"
+#include "formats/vdb/provenance_metadata.h"
+#include "formats/vdb/vdb_file.h"
 #include "nodes/preview/canvas.h"
 #include "tests/support/files/mesh_files.h"
 #include "tests/support/node_bench.h"
@@ -22,18 +22,25 @@ using test::failure_of;
 
 namespace {
 
-const Provenance first{{"fluidcarve_version", "0.1.0"},
-                       {"fluidcarve_pipeline", "p.yaml"},
-                       {"fluidcarve_values", "{fluidcarve: 1, nodes: {a: {type: x, path: in.####.vdb}}}"},
-                       {"fluidcarve_command", "fluidcarve run p.yaml --set 'a.b=[1, 2]'"}};
-const Provenance second{{"fluidcarve_version", "0.1.0"}, {"fluidcarve_seams", "seams=xxh3-128:0"}, {"fluidcarve_command", "fluidcarve run q.yaml"}};
+const Provenance first{
+    {"fluidcarve_version", "0.1.0"},
+    {"fluidcarve_pipeline", "p.yaml"},
+    {"fluidcarve_values", "{fluidcarve: 1, nodes: {a: {type: x, path: in.####.vdb}}}"},
+    {"fluidcarve_command", "fluidcarve run p.yaml --set 'a.b=[1, 2]'"}};
+const Provenance second{{"fluidcarve_version", "0.1.0"},
+                        {"fluidcarve_seams", "seams=xxh3-128:0"},
+                        {"fluidcarve_command", "fluidcarve run q.yaml"}};
 
 const std::string triangle = "# a hand\no far\nv 0 0 0\nv 0 1 0\nv 0 0 1.25\nf 1 2 3\n";
-const std::string dust = "ply\nformat ascii 1.0\ncomment dust\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n";
+const std::string dust =
+    "ply\nformat ascii 1.0\ncomment dust\nelement vertex 1\nproperty float x\nproperty float "
+    "y\nproperty float z\nend_header\n1 2 3\n";
 
 }  // namespace
 
-TEST_CASE("a VDB file states its provenance as metadata of the file, in place of an older one, and no grid changes") {
+TEST_CASE(
+    "a VDB file states its provenance as metadata of the file, in place of an older one, and no "
+    "grid changes") {
     const Scratch scratch;
     Volume volume;
     const auto grid = FloatGrid::create();
@@ -50,7 +57,8 @@ TEST_CASE("a VDB file states its provenance as metadata of the file, in place of
         CHECK(volume.metadata.getMetadata<openvdb::StringMetadata>("shot")->value() == "sh010");
         CHECK(volume.metadata.metaCount() == 1 + provenance.size());
         REQUIRE(volume.grids.size() == 1);
-        for (const auto name : provenance_names) CHECK_FALSE((*volume.grids[0].grid())[std::string(name)]);
+        for (const auto name : provenance_names)
+            CHECK_FALSE((*volume.grids[0].grid())[std::string(name)]);
     }
 }
 
@@ -59,7 +67,8 @@ TEST_CASE("meshes state it as comments, in place of older ones, and read as befo
     const auto in = scratch.write("in.obj", triangle), out = scratch / "out.obj";
     write_mesh(out, read_mesh(in).mesh, nullptr, first);
     CHECK(read_provenance(out) == first);
-    CHECK(Scratch::read(out).starts_with("# fluidcarve_version: 0.1.0\n# fluidcarve_pipeline: p.yaml\n"));
+    CHECK(Scratch::read(out).starts_with(
+        "# fluidcarve_version: 0.1.0\n# fluidcarve_pipeline: p.yaml\n"));
     CHECK(Scratch::read(out).ends_with(triangle));
     write_mesh(out, read_mesh(out).mesh, nullptr, second);
     CHECK(read_provenance(out) == second);
@@ -68,7 +77,8 @@ TEST_CASE("meshes state it as comments, in place of older ones, and read as befo
 
     for (const auto* const format : {"ascii", "binary_big_endian"}) {
         const auto text = test::ply_of(format, true);
-        const auto ply = scratch.write("in.ply", text), copy = scratch / "copy.ply", plain = scratch / "plain.ply";
+        const auto ply = scratch.write("in.ply", text), copy = scratch / "copy.ply",
+                   plain = scratch / "plain.ply";
         write_mesh(plain, read_mesh(ply).mesh);
         write_mesh(copy, read_mesh(ply).mesh, nullptr, first);
         CHECK(read_provenance(copy) == first);
@@ -88,7 +98,8 @@ TEST_CASE("meshes state it as comments, in place of older ones, and read as befo
 
 TEST_CASE("points state it as comments of PLY or metadata of VDB, in place of older ones") {
     const Scratch scratch;
-    const auto in = scratch.write("in.ply", dust), ply = scratch / "out.ply", vdb = scratch / "out.vdb";
+    const auto in = scratch.write("in.ply", dust), ply = scratch / "out.ply",
+               vdb = scratch / "out.vdb";
     const auto points = read_points(in, "", PointOffset::none, {});
     write_points(ply, points, nullptr, nullptr, nullptr, first);
     CHECK(read_provenance(ply) == first);
@@ -119,8 +130,9 @@ TEST_CASE("pictures state it as texts that other readers take, and keep every pi
     }
     // It is of that file alone: a volume made of the picture does not say it.
     const auto volume = volume_of(read);
-    CHECK(std::none_of(volume.metadata.beginMeta(), volume.metadata.endMeta(),
-                       [](const auto& each) { return each.first.find("fluidcarve") != std::string::npos; }));
+    CHECK(std::none_of(
+        volume.metadata.beginMeta(), volume.metadata.endMeta(),
+        [](const auto& each) { return each.first.find("fluidcarve") != std::string::npos; }));
 
     const auto jpeg = scratch / "rocket.jpg";
     std::filesystem::copy_file(TEST_DATA "/images/rocket.jpg", jpeg);
@@ -162,7 +174,8 @@ TEST_CASE("files that state nothing, are damaged or of another kind are told fro
         auto out = failure_of([&] {
             if (!read_provenance(path).empty()) throw Failure("it states something");
         });
-        for (std::size_t at; (at = out.find(scratch.path() + "/")) != std::string::npos;) out.erase(at, scratch.path().size() + 1);
+        for (std::size_t at; (at = out.find(scratch.path() + "/")) != std::string::npos;)
+            out.erase(at, scratch.path().size() + 1);
         return out;
     };
     CHECK(told("a.obj", triangle) == "");
@@ -171,13 +184,21 @@ TEST_CASE("files that state nothing, are damaged or of another kind are told fro
     CHECK(told("b.obj", "v 0 0 0\n# fluidcarve_version: 9\n") == "");
     CHECK(told("b.ply", dust + "comment fluidcarve_version: 9\n") == "");
     CHECK(told("c.obj", "# fluidcarve_elsewhere: 9\n# fluidcarve_version:9\n") == "");
-    CHECK(told("a.txt", "fluidcarve_version: 9\n") == "a.txt is no file that states what made it; those are VDB, PNG, JPEG, EXR, PLY and OBJ files");
-    CHECK(told("a.png", std::string("\x89PNG\r\n\x1a\n\0\0\xff\xffIHDR", 16)) == "a.png is cut off or damaged at byte 16; copy or write it again");
-    CHECK(told("b.png", "\x89PNG\r\n\x1a\n") == "b.png is cut off or damaged at byte 8; copy or write it again");
-    CHECK(told("a.jpg", std::string("\xff\xd8\xff\xe0\0\1", 6)) == "a.jpg is cut off or damaged at byte 6; copy or write it again");
-    CHECK(told("a.exr", std::string("\x76\x2f\x31\x01\2\0\0\0name\0string\0\xff\xff\xff\x7f", 24)) ==
-          "a.exr is cut off or damaged at byte 24; copy or write it again");
-    CHECK(told("b.exr", "\x76\x2f\x31\x01\2\1\1\1" + std::string(1000, 'n')) == "b.exr is cut off or damaged at byte 265; copy or write it again");
+    CHECK(told("a.txt", "fluidcarve_version: 9\n") ==
+          "a.txt is no file that states what made it; those are VDB, PNG, JPEG, EXR, PLY and OBJ "
+          "files");
+    CHECK(told("a.png", std::string("\x89PNG\r\n\x1a\n\0\0\xff\xffIHDR", 16)) ==
+          "a.png is cut off or damaged at byte 16; copy or write it again");
+    CHECK(told("b.png", "\x89PNG\r\n\x1a\n") ==
+          "b.png is cut off or damaged at byte 8; copy or write it again");
+    CHECK(told("a.jpg", std::string("\xff\xd8\xff\xe0\0\1", 6)) ==
+          "a.jpg is cut off or damaged at byte 6; copy or write it again");
+    CHECK(
+        told("a.exr", std::string("\x76\x2f\x31\x01\2\0\0\0name\0string\0\xff\xff\xff\x7f", 24)) ==
+        "a.exr is cut off or damaged at byte 24; copy or write it again");
+    CHECK(told("b.exr", "\x76\x2f\x31\x01\2\1\1\1" + std::string(1000, 'n')) ==
+          "b.exr is cut off or damaged at byte 265; copy or write it again");
     CHECK_THAT(told("a.vdb", " BDV" + std::string(4, '\0')), Catch::Contains("a.vdb"));
-    CHECK(failure_of([&] { read_provenance(scratch / "none.vdb"); }) == (scratch / "none.vdb") + " does not exist");
+    CHECK(failure_of([&] { read_provenance(scratch / "none.vdb"); }) ==
+          (scratch / "none.vdb") + " does not exist");
 }

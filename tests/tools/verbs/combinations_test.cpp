@@ -1,6 +1,6 @@
 #include "tools/verbs/combinations.h"
 
-#include "graph/text/problem.h"
+#include "carve/base/failure.h"
 
 #include <catch2/catch.hpp>
 
@@ -32,10 +32,16 @@ TEST_CASE("a wedge has all combinations, and the last target varies fastest") {
 
 TEST_CASE("values of a wedge that say nothing or too much are told") {
     CHECK(fault_of_over({"count=-4"}).empty());
-    CHECK(fault_of_over({"count"}) == "--over must be PARAM=VALUE,VALUE or NODE.FIELD=VALUE,VALUE, such as count=-4,-8,-12, not 'count'");
-    CHECK(fault_of_over({"count="}) == "--over count: value 1 of 1 is empty; write count=VALUE,VALUE");
-    CHECK(fault_of_over({"count=-4,"}) == "--over count: value 2 of 2 is empty; write count=VALUE,VALUE");
+    CHECK(fault_of_over({"count"}) ==
+          "--over must be PARAM=VALUE,VALUE or NODE.FIELD=VALUE,VALUE, such as count=-4,-8,-12, "
+          "not 'count'");
+    CHECK(fault_of_over({"count="}) ==
+          "--over count: value 1 of 1 is empty; write count=VALUE,VALUE");
+    CHECK(fault_of_over({"count=-4,"}) ==
+          "--over count: value 2 of 2 is empty; write count=VALUE,VALUE");
     CHECK(fault_of_over({"count=-4,-8,-4"}) == "--over count: -4 is there twice; leave one out");
-    CHECK(fault_of_over({"count=-4", "count=-8"}) == "--over count is there twice; put all of its values into one");
-    CHECK(fault_of_over({"a=1,2,3,4,5", "b=1,2,3,4,5", "c=1,2,3"}) == "--over: 5 x 5 x 3 are 75 combinations, and a wedge has at most 64; name fewer values");
+    CHECK(fault_of_over({"count=-4", "count=-8"}) ==
+          "--over count is there twice; put all of its values into one");
+    CHECK(fault_of_over({"a=1,2,3,4,5", "b=1,2,3,4,5", "c=1,2,3"}) ==
+          "--over: 5 x 5 x 3 are 75 combinations, and a wedge has at most 64; name fewer values");
 }

@@ -14,7 +14,9 @@ namespace {
 
 constexpr std::uint64_t plenty = std::uint64_t{4} << 30;
 
-Confined call(const std::function<std::string()>& body, double seconds = 20) { return call_confined(body, plenty, seconds); }
+Confined call(const std::function<std::string()>& body, double seconds = 20) {
+    return call_confined(body, plenty, seconds);
+}
 
 }  // namespace
 
@@ -46,7 +48,8 @@ TEST_CASE("a confined call that crashes or never ends takes nothing down with it
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST_CASE("a confined call gets no more memory than it is granted") {
-    const auto greedy = call_confined([] { return std::string(std::size_t{2} << 30, 'x'); }, std::uint64_t{1} << 30, 20);
+    const auto greedy = call_confined([] { return std::string(std::size_t{2} << 30, 'x'); },
+                                      std::uint64_t{1} << 30, 20);
     CHECK(greedy.end == Confined::End::threw);
     CHECK(greedy.text == "it needs more memory than is allowed");
 }

@@ -15,8 +15,11 @@ TEST_CASE("pages are joined: what they share is written once, and few frames kee
     const auto title = std::string("wedge");
     auto fewer = frame_of(12, 6);
     fewer.seams = {std::make_shared<Seams>(*frame_of(12, 3).seams[0])};
-    const auto one = scratch.write("1.html", page_of(frame_of(12, 6))), other = scratch.write("2.html", page_of(fewer));
-    write_joined_page(title, {{one, {{"seams.count", "-6"}}}, {other, {{"seams.count", "-3"}, {"soft", "3"}}}}, scratch / "new/joined.html");
+    const auto one = scratch.write("1.html", page_of(frame_of(12, 6))),
+               other = scratch.write("2.html", page_of(fewer));
+    write_joined_page(
+        title, {{one, {{"seams.count", "-6"}}}, {other, {{"seams.count", "-3"}, {"soft", "3"}}}},
+        scratch / "new/joined.html");
     const auto page = Scratch::read(scratch / "new/joined.html");
     const auto scenes = scenes_of_page(page);
     REQUIRE(scenes.size() == 2);
@@ -28,15 +31,22 @@ TEST_CASE("pages are joined: what they share is written once, and few frames kee
     CHECK(page.size() < page_of(frame_of(12, 6)).size() + 8000);
 
     const auto text = scratch.write("3.html", "<p>no page</p>");
-    CHECK_THROWS_WITH(write_joined_page(title, {{text, {}}}, scratch / "x.html"), Catch::Contains("3.html: it is no page"));
-    CHECK_THROWS_WITH(write_joined_page(title, {{scratch / "no.html", {}}}, scratch / "x.html"), Catch::Contains("does not exist"));
+    CHECK_THROWS_WITH(write_joined_page(title, {{text, {}}}, scratch / "x.html"),
+                      Catch::Contains("3.html: it is no page"));
+    CHECK_THROWS_WITH(write_joined_page(title, {{scratch / "no.html", {}}}, scratch / "x.html"),
+                      Catch::Contains("does not exist"));
 }
 
-TEST_CASE("scenes stand side by side: controls are for all, the count for the one chosen or for all", "[browser]") {
+TEST_CASE(
+    "scenes stand side by side: controls are for all, the count for the one chosen or for all",
+    "[browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;
-    const auto one = scratch.write("1.html", page_of(frame_of(16, 6))), other = scratch.write("2.html", page_of(frame_of(16, 3)));
-    write_joined_page("wedge", {{one, {{"seams.count", "-6"}, {"seams.type", "a b"}}}, {other, {{"seams.count", "-3"}, {"seams.type", "c"}}}},
+    const auto one = scratch.write("1.html", page_of(frame_of(16, 6))),
+               other = scratch.write("2.html", page_of(frame_of(16, 3)));
+    write_joined_page("wedge",
+                      {{one, {{"seams.count", "-6"}, {"seams.type", "a b"}}},
+                       {other, {{"seams.count", "-3"}, {"seams.type", "c"}}}},
                       scratch / "j.html");
     const auto seen = ask_browser(scratch, Scratch::read(scratch / "j.html"), R"js(
         await showFrame();

@@ -1,4 +1,5 @@
-#include "nodes/seam/solve/gathered_energy.h"
+#include "carve/solver/task/gathered_energy.h"
+#include "graph/types/node_type.h"
 #include "tests/support/solver_bench.h"
 
 #include <catch2/catch.hpp>
@@ -23,23 +24,27 @@ SolverParams params_of(double count) {
 
 /// A sequence that is gathered.
 struct Sequence {
-    Listener listener;
     GatheredEnergy gathered;
-    Context context = Context(listener, frames);
 
     /// @param first  the lowest active voxel; all energies are 2
-    void add(std::size_t t, const Lattice& lattice, const SolverParams& params, const Coord& first = Coord(0), const openvdb::GridBase* protect = nullptr) {
-        const auto energy = energy_grid(CoordBBox(first, first.offsetBy(9)), [](const Coord&) { return 2.0f; });
-        gathered.add(params, sample_frame({*energy, nullptr, protect, nullptr}, std::make_shared<Lattice>(lattice), Axis::u, Measure::vertex), context.at(t));
+    void add(std::size_t t, const Lattice& lattice, const SolverParams& params,
+             const Coord& first = Coord(0), const openvdb::GridBase* protect = nullptr) {
+        const auto energy =
+            energy_grid(CoordBBox(first, first.offsetBy(9)), [](const Coord&) { return 2.0f; });
+        gathered.add(params,
+                     sample_frame({*energy, nullptr, protect, nullptr},
+                                  std::make_shared<Lattice>(lattice), Axis::u, Measure::vertex),
+                     {frames[t], t, frames.size()}, {});
     }
     EnergyVolume taken(const SolverParams& params, const std::vector<Ref<Seams>>& after = {}) {
-        return gathered.take(params, CarvedSpace(gathered.lattices(), after, frames), context).energy;
+        return gathered.take(params, CarvedSpace(gathered.lattices(), after, frames), {}).energy;
     }
 };
 
 }  // namespace
 
-TEST_CASE("an energy that is gathered once is that of all frames, as far as earlier seams leave it") {
+TEST_CASE(
+    "an energy that is gathered once is that of all frames, as far as earlier seams leave it") {
     const auto lattice = box({6, 3, 2});
     const auto params = params_of(-1);
     Seams removal;
@@ -47,7 +52,8 @@ TEST_CASE("an energy that is gathered once is that of all frames, as far as earl
     removal.frames = frames;
     removal.lattice_hash = lattice.hash;
     removal.seams = {{std::vector<std::uint16_t>(18, 1)}};
-    for (const auto& after : {std::vector<Ref<Seams>>{}, std::vector<Ref<Seams>>{std::make_shared<Seams>(removal)}}) {
+    for (const auto& after :
+         {std::vector<Ref<Seams>>{}, std::vector<Ref<Seams>>{std::make_shared<Seams>(removal)}}) {
         Sequence sequence;
         sequence.add(0, lattice, params);
         auto energy = sequence.taken(params, after);
@@ -55,7 +61,8 @@ TEST_CASE("an energy that is gathered once is that of all frames, as far as earl
         REQUIRE(energy.frames() == 3);
         for (std::size_t t = 0; t < 3; ++t) {
             const auto codes = energy.codes(t);
-            CHECK(std::count(codes.begin(), codes.end(), encode_energy(2)) == static_cast<std::ptrdiff_t>(codes.size()));
+            CHECK(std::count(codes.begin(), codes.end(), encode_energy(2)) ==
+                  static_cast<std::ptrdiff_t>(codes.size()));
         }
     }
 }
@@ -64,13 +71,15 @@ TEST_CASE("marks are counted over all frames") {
     const auto params = params_of(-1);
     const auto mask = mask_grid({Coord(0), Coord(1, 2, 1)});
     Sequence sequence;
-    for (std::size_t t = 0; t < 3; ++t) sequence.add(t, box({6, 3, 2}), params, Coord(0), mask.get());
+    for (std::size_t t = 0; t < 3; ++t)
+        sequence.add(t, box({6, 3, 2}), params, Coord(0), mask.get());
     CHECK(sequence.gathered.marks().protect == std::size_t{6});
     CHECK(!sequence.gathered.marks().attract);
     CHECK(sequence.taken(params).protects());
 }
 
-TEST_CASE("content that is mostly beside the lattice is told before the search, once for all frames") {
+TEST_CASE(
+    "content that is mostly beside the lattice is told before the search, once for all frames") {
     const auto warnings = [](const std::array<int, 3>& shape) {
         Sequence sequence;
         for (std::size_t t = 0; t < 3; ++t) sequence.add(t, box(shape), params_of(-1));
@@ -81,10 +90,12 @@ TEST_CASE("content that is mostly beside the lattice is told before the search, 
     CHECK(small == Approx(0.036));
     REQUIRE(told.size() == 2);
     CHECK(told[0] ==
-          "3.6 % of the active voxels of `energy` lie in the lattice, and nothing else will change: if that is not meant, move the lattice (its rig, or `min` "
+          "3.6 % of the active voxels of `energy` lie in the lattice, and nothing else will "
+          "change: if that is not meant, move the lattice (its rig, or `min` "
           "and `max`) or make it larger");
     CHECK(told[1] ==
-          "`energy` is 2 at all vertices of the lattice in all frames: a seam costs the same wherever it goes, and will go anywhere; connect an energy that is "
+          "`energy` is 2 at all vertices of the lattice in all frames: a seam costs the same "
+          "wherever it goes, and will go anywhere; connect an energy that is "
           "high where the look must stay, such as energy.gradient");
     const auto [enough, same] = warnings({6, 3, 3});
     CHECK(enough == Approx(0.054));
@@ -94,8 +105,12 @@ TEST_CASE("content that is mostly beside the lattice is told before the search, 
     const auto tile = FloatGrid::create();
     tile->tree().addTile(2, Coord(0), 1.0f, true);
     GatheredEnergy least;
-    least.add(params_of(-1), sample_frame({*tile}, std::make_shared<Lattice>(box({4, 4, 4})), Axis::u, Measure::vertex), {});
-    CHECK(least.warnings().at(0).starts_with("less than 0.01 % of the active voxels of `energy` lie in the lattice, and "));
+    least.add(
+        params_of(-1),
+        sample_frame({*tile}, std::make_shared<Lattice>(box({4, 4, 4})), Axis::u, Measure::vertex),
+        {}, {});
+    CHECK(least.warnings().at(0).starts_with(
+        "less than 0.01 % of the active voxels of `energy` lie in the lattice, and "));
 }
 
 TEST_CASE("masks that mark nothing say what values they wanted, if they are empty in all frames") {
@@ -107,12 +122,15 @@ TEST_CASE("masks that mark nothing say what values they wanted, if they are empt
     };
     const auto warning = [&](const std::vector<MaskGrid::Ptr>& masks) {
         Sequence sequence;
-        for (std::size_t t = 0; t < masks.size(); ++t) sequence.add(t, box({8, 8, 8}), params, Coord(0), masks[t].get());
+        for (std::size_t t = 0; t < masks.size(); ++t)
+            sequence.add(t, box({8, 8, 8}), params, Coord(0), masks[t].get());
         const auto out = sequence.gathered.warnings();
         return out.size() == 1 ? out[0] : std::string();
     };
-    const std::string all = "`protect` is set around no vertex of the lattice: nothing is protected";
-    CHECK(warning({empty(0.5, 1), empty(0, 0.75)}) == all + "; its mask.threshold marks values from 2, but the field has 0 to 1 only");
+    const std::string all =
+        "`protect` is set around no vertex of the lattice: nothing is protected";
+    CHECK(warning({empty(0.5, 1), empty(0, 0.75)}) ==
+          all + "; its mask.threshold marks values from 2, but the field has 0 to 1 only");
     CHECK(warning({empty(0.5, 1), mask_grid({Coord(20)})}) == all);
     CHECK(warning({mask_grid({Coord(20)}), empty(0.5, 1)}) == all);
 }
@@ -121,11 +139,14 @@ TEST_CASE("frames that do not go together, or lattices beside the energy, are to
     const auto params = params_of(-1);
     Sequence beside;
     beside.add(0, box({6, 3, 2}), params, Coord(100));
-    CHECK(
-        failure_of([&] { beside.gathered.require_met(); }) ==
-        "the lattice misses the energy: its box of 6 x 3 x 2 vertices from (0, 0, 0) to (5, 2, 1), spacing 1, axes xyz, but the active voxels span (100, 100, "
-        "100) to (109, 109, 109); move the lattice (its rig, or `min` and `max`) or the data (`translate` and `scale` of its reader)");
-    CHECK(failure_of([&] { beside.add(1, box({6, 3, 3}), params); }) == "the lattice has 6 x 3 x 3 vertices here, but 6 x 3 x 2 in the first frame");
+    CHECK(failure_of([&] { beside.gathered.require_met(); }) ==
+          "the lattice misses the energy: its box of 6 x 3 x 2 vertices from (0, 0, 0) to (5, 2, "
+          "1), spacing 1, axes xyz, but the active voxels span (100, 100, "
+          "100) to (109, 109, 109); move the lattice (its rig, or `min` and `max`) or the data "
+          "(`translate` and `scale` of its reader)");
+    CHECK(failure_of([&] {
+              beside.add(1, box({6, 3, 3}), params);
+          }) == "the lattice has 6 x 3 x 3 vertices here, but 6 x 3 x 2 in the first frame");
     beside.add(1, box({6, 3, 2}), params);
     CHECK_NOTHROW(beside.gathered.require_met());
     // Nobody misses it if no seams are wanted.

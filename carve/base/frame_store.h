@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace fluidcarve {
+
+/// Stores entries of a sequence, 16-bit numbers or floats, equally many for each frame, initially
+/// 0. They are kept in memory or, over the budget, in a mapped file that disappears with the
+/// process.
+template <class Entry>
+class FrameStoreOf {
+public:
+    /// @param count          number of frames
+    /// @param entries        per frame
+    /// @param memory_budget  bytes that may be held in memory
+    /// @param folder         for the file; created if missing
+    /// @throws Failure if neither memory nor disk can hold the frames
+    FrameStoreOf(std::size_t count, std::size_t entries, std::uint64_t memory_budget,
+                 const std::string& folder);
+
+    std::size_t count() const { return count_; }
+    bool on_disk() const { return on_disk_; }
+    std::span<Entry> entries(std::size_t n) { return {data_.get() + n * entries_, entries_}; }
+    std::span<const Entry> entries(std::size_t n) const {
+        return {data_.get() + n * entries_, entries_};
+    }
+
+private:
+    struct Release {
+        std::size_t mapped;  ///< bytes; 0: from the allocator
+        void operator()(Entry* data) const;
+    };
+    std::size_t count_, entries_;
+    bool on_disk_;
+    std::unique_ptr<Entry, Release> data_;
+};
+
+using FrameStore = FrameStoreOf<std::uint16_t>;
+using FloatFrameStore = FrameStoreOf<float>;
+
+}  // namespace fluidcarve

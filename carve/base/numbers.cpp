@@ -1,0 +1,45 @@
+#include "carve/base/numbers.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <limits>
+
+namespace fluidcarve {
+
+std::size_t size_of(NumberType type) {
+    return with_number_type(type, [](auto value) { return sizeof value; });
+}
+
+bool is_floating(NumberType type) {
+    return type == NumberType::float32 || type == NumberType::float64;
+}
+
+double number_in(const char* bytes, NumberType type, bool swap) {
+    return with_number_type(type, [&](auto value) {
+        std::array<char, sizeof value> copy;
+        std::memcpy(copy.data(), bytes, sizeof value);
+        if (swap) std::reverse(copy.begin(), copy.end());
+        return static_cast<double>(std::bit_cast<decltype(value)>(copy));
+    });
+}
+
+void put_number(std::string& out, double number, NumberType type, bool swap) {
+    with_number_type(type, [&](auto value) {
+        using T = decltype(value);
+        if constexpr (std::is_integral_v<T>)
+            number = std::clamp<double>(number, std::numeric_limits<T>::lowest(),
+                                        std::numeric_limits<T>::max());
+        auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(static_cast<T>(number));
+        if (swap) std::reverse(bytes.begin(), bytes.end());
+        out.append(bytes.data(), bytes.size());
+    });
+}
+
+bool is_swapped(NumberForm encoding) {
+    return encoding ==
+           (std::endian::native == std::endian::little ? NumberForm::big : NumberForm::little);
+}
+
+}  // namespace fluidcarve

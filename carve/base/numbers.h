@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace fluidcarve {
+
+/// The type of a number in a file.
+enum class NumberType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+/// Bytes of a number in a binary file.
+std::size_t size_of(NumberType type);
+bool is_floating(NumberType type);
+
+/// Calls `visit(T{})` with the C++ type.
+template <class Visit>
+auto with_number_type(NumberType type, Visit&& visit) {
+    switch (type) {
+        case NumberType::int8: return visit(std::int8_t{});
+        case NumberType::uint8: return visit(std::uint8_t{});
+        case NumberType::int16: return visit(std::int16_t{});
+        case NumberType::uint16: return visit(std::uint16_t{});
+        case NumberType::int32: return visit(std::int32_t{});
+        case NumberType::uint32: return visit(std::uint32_t{});
+        case NumberType::float32: return visit(float{});
+        case NumberType::float64: break;
+    }
+    return visit(double{});
+}
+
+/// A number as a double; exact for all types.
+/// @param swap  the bytes are in the order that this machine does not have
+double number_in(const char* bytes, NumberType type, bool swap);
+/// Appends the bytes of a number. One outside the range of its whole type becomes the nearest.
+void put_number(std::string& out, double number, NumberType type, bool swap);
+
+/// How numbers stand in a file: as text, or as bytes in one of two orders.
+enum class NumberForm { ascii, little, big };
+/// Whether numbers have their bytes in the order that this machine does not have.
+bool is_swapped(NumberForm encoding);
+
+}  // namespace fluidcarve

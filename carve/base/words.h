@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace fluidcarve {
+
+/// A number for people, rounded to three significant digits; whole from 100 on.
+std::string three_digits(double value);
+/// "12.3 ms", "4.56 s", "7.89 min", "1.23 h".
+std::string duration_text(double seconds);
+/// "512 B", "12.3 kB", "4.56 MB", "7.89 GB", in steps of 1000.
+std::string size_text(std::uint64_t bytes);
+/// A count with its noun: "1 seam", "6 seams".
+std::string counted(std::size_t count, std::string_view what);
+/// "a", "a or b", "a, b or c". @param all  one or more
+std::string either(const std::vector<std::string>& all);
+/// A text in small letters; only A to Z change.
+std::string in_small_letters(std::string_view text);
+/// The ending of a file's name in small letters: ".obj"; empty: it has none.
+std::string ending_of(std::string_view path);
+
+/// The candidate nearest to `name` by edit distance; empty if none is near enough to be a typing
+/// error.
+std::string nearest(std::string_view name, const std::vector<std::string>& candidates);
+/// "; did you mean 'x'?" for the nearest candidate, else "; known: a, b, c".
+std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates);
+
+}  // namespace fluidcarve

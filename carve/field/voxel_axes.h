@@ -1,0 +1,29 @@
+#pragma once
+
+#include "carve/base/words.h"
+
+#include <openvdb/openvdb.h>
+
+#include <array>
+#include <cstddef>
+
+namespace fluidcarve {
+
+/// The index axes of a grid, each given to the world axis that it comes nearest to, so that results
+/// do not depend on how voxels are stored.
+class VoxelAxes {
+public:
+    /// @param transform  linear
+    explicit VoxelAxes(const openvdb::math::Transform& transform);
+
+    /// From a voxel to the next along an index axis, world units.
+    const openvdb::Vec3d& step(int axis) const { return steps_[static_cast<std::size_t>(axis)]; }
+    /// The index axis of a world axis. It may run the other way.
+    int nearest(int world) const { return order_[static_cast<std::size_t>(world)]; }
+
+private:
+    std::array<openvdb::Vec3d, 3> steps_;
+    std::array<int, 3> order_{0, 1, 2};
+};
+
+}  // namespace fluidcarve

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "carve/volume/grid_types.h"
+#include "carve/volume/volume.h"
+
+namespace fluidcarve {
+
+/// A volume whose grids are `change(grid)`, called with the grid's own type.
+/// Grids of points and of types that OpenVDB does not know stay as they are.
+/// @param change  returns a grid pointer of any type; the grid itself if nothing changes
+template <class Change>
+Volume each_grid(const Volume& volume, const Change& change) {
+    auto out = volume;
+    for (auto& held : out.grids) {
+        const auto grid = held.grid();
+#define FLUIDCARVE_TRY(GridT)                                              \
+    if (grid->isType<GridT>()) {                                           \
+        held = held.holding(change(openvdb::GridBase::grid<GridT>(grid))); \
+        continue;                                                          \
+    }
+        FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_TRY)
+#undef FLUIDCARVE_TRY
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,106 @@
+#include "carve/mesh/triangles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace fluidcarve {
+namespace {
+
+using openvdb::Vec2d;
+using openvdb::Vec3d;
+
+/// Twice the signed area of a triangle, positive if it is counter-clockwise.
+double area(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
+    return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+}
+
+/// A corner of the remaining polygon.
+struct Corner {
+    Vec2d at;
+    std::size_t before, after;  ///< neighbours
+    bool reflex = false;     ///< reflex or straight: it is no ear, and only such corners can lie in
+                             ///< the triangle of another
+    std::size_t in_way = 0;  ///< a corner found in its triangle; its own index: none
+};
+
+/// Projects a face along the axis in which its area (Newell's method) is largest, so that it is
+/// counter-clockwise.
+std::vector<Corner> flattened(const std::vector<Vec3d>& points,
+                              std::span<const std::uint32_t> face) {
+    const auto& first = points[face[0]];
+    Vec3d normal(0);
+    for (std::size_t n = 1; n + 1 < face.size(); ++n)
+        normal += (points[face[n]] - first).cross(points[face[n + 1]] - first);
+    int axis = 0;
+    for (int c = 1; c < 3; ++c)
+        if (std::abs(normal[c]) > std::abs(normal[axis])) axis = c;
+    const int x = (axis + 1) % 3, y = (axis + 2) % 3;
+    std::vector<Corner> out;
+    out.reserve(face.size());
+    for (std::size_t n = 0; n < face.size(); ++n) {
+        const auto& point = points[face[n]];
+        out.push_back({Vec2d(normal[axis] < 0 ? -point[x] : point[x], point[y]),
+                       (n + face.size() - 1) % face.size(), (n + 1) % face.size()});
+    }
+    return out;
+}
+
+}  // namespace
+
+void triangulate(const std::vector<Vec3d>& points, std::span<const std::uint32_t> face,
+                 std::vector<std::array<std::uint32_t, 3>>& out) {
+    out.clear();
+    if (face.size() == 3) {
+        out.push_back({face[0], face[1], face[2]});
+        return;
+    }
+    auto ring = flattened(points, face);
+    std::vector<std::size_t> reflex;
+    const auto update = [&](std::size_t n) {
+        auto& corner = ring[n];
+        const bool was = corner.reflex;
+        corner.reflex = area(ring[corner.before].at, corner.at, ring[corner.after].at) <= 0;
+        if (corner.reflex && !was) reflex.push_back(n);
+        if (!corner.reflex && was) std::erase(reflex, n);
+        corner.in_way = n;
+    };
+    for (std::size_t n = 0; n < ring.size(); ++n) update(n);
+    const auto is_ear = [&](std::size_t n) {
+        auto& corner = ring[n];
+        if (corner.reflex) return false;
+        if (corner.in_way != n && ring[corner.in_way].reflex) return false;
+        const auto &a = ring[corner.before].at, &b = corner.at, &c = ring[corner.after].at;
+        const auto found = std::find_if(reflex.begin(), reflex.end(), [&](std::size_t other) {
+            const auto& p = ring[other].at;
+            // Ignore corners at the same position as one of the triangle's, as where a hole is
+            // joined to the rim.
+            return p != a && p != b && p != c && area(a, b, p) >= 0 && area(b, c, p) >= 0 &&
+                   area(c, a, p) >= 0;
+        });
+        corner.in_way = found == reflex.end() ? n : *found;
+        return found == reflex.end();
+    };
+    std::size_t next = 0;
+    for (auto left = face.size(); left > 3; --left) {
+        // A face without an ear intersects itself: cut anywhere.
+        auto cut = next;
+        for (std::size_t tried = 0; tried < left && !is_ear(cut); ++tried) cut = ring[cut].after;
+        const auto before = ring[cut].before, after = ring[cut].after;
+        out.push_back({face[before], face[cut], face[after]});
+        if (ring[cut].reflex) std::erase(reflex, cut);
+        ring[cut].reflex = false;
+        ring[before].after = after;
+        ring[after].before = before;
+        update(before);
+        update(after);
+        // Continue two corners further: fans give thinner triangles than strips.
+        next = ring[after].after;
+    }
+    out.push_back({face[ring[next].before], face[next], face[ring[next].after]});
+}
+
+}  // namespace fluidcarve

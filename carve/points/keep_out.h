@@ -1,0 +1,23 @@
+#pragma once
+
+#include "carve/points/points.h"
+#include "carve/volume/volume.h"
+
+#include <cstddef>
+
+namespace fluidcarve {
+
+/// Result of kept_out.
+struct KeptOut {
+    Points points;
+    std::size_t moved = 0;  ///< number of points moved
+    std::size_t stuck =
+        0;  ///< number of points too deep inside for the narrow band to show the way out; they stay
+};
+
+/// Moves points inside a solid to its surface, each the shortest way. All other points stay bit for
+/// bit.
+/// @param solid  a level set, world units, negative inside
+KeptOut kept_out(const Points& points, const FloatGrid& solid);
+
+}  // namespace fluidcarve

@@ -1,0 +1,299 @@
+#include "carve/points/point_grid.h"
+
+#include "carve/base/failure.h"
+#include "carve/field/extent.h"
+
+#include <fmt/format.h>
+#include <openvdb/points/PointDataGrid.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <memory>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+namespace fluidcarve {
+namespace {
+
+using openvdb::Coord;
+using openvdb::Index;
+using openvdb::Vec3d;
+using openvdb::Vec3f;
+using namespace openvdb::points;
+using Leaf = PointDataTree::LeafNodeType;
+using Positions = AttributeHandle<Vec3f>;
+
+const PointDataGrid& of(const openvdb::GridBase& grid) {
+    return static_cast<const PointDataGrid&>(grid);
+}
+
+/// The leaves of a grid, and the index of the first point of each.
+struct Leaves {
+    std::vector<const Leaf*> all;
+    std::vector<std::size_t> first{0};
+
+    explicit Leaves(const openvdb::GridBase& grid) {
+        for (auto leaf = of(grid).tree().cbeginLeaf(); leaf; ++leaf) {
+            all.push_back(&*leaf);
+            first.push_back(first.back() + leaf->pointCount());
+        }
+    }
+    std::size_t size() const { return first.back(); }
+
+    /// Calls `visit(leaf, index of the leaf)` for all leaves, in parallel.
+    template <class Visit>
+    void each(const Visit& visit) const {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, all.size()),
+                          [&](const tbb::blocked_range<std::size_t>& range) {
+                              for (auto n = range.begin(); n < range.end(); ++n) visit(*all[n], n);
+                          });
+    }
+};
+
+/// Calls `visit(point, voxel)` for all points of a leaf, with indices within the leaf.
+template <class Visit>
+void each_point(const Leaf& leaf, const Visit& visit) {
+    Index point = 0;
+    for (Index voxel = 0; voxel < Leaf::SIZE; ++voxel)
+        for (const Index end = leaf.getValue(voxel); point < end; ++point) visit(point, voxel);
+}
+
+template <class T>
+std::optional<std::uint64_t> whole_number(const AttributeArray& ids, Index point) {
+    if (ids.valueType() != openvdb::typeNameAsString<T>()) return std::nullopt;
+    return static_cast<std::uint64_t>(AttributeHandle<T>(ids).get(point));
+}
+
+/// Index pairs for AttributeArray::copyValuesUnsafe.
+struct CopyRun {
+    const std::vector<std::pair<Index, Index>>* pairs;  ///< source, target
+    std::size_t at = 0;
+    explicit operator bool() const { return at < pairs->size(); }
+    CopyRun& operator++() {
+        ++at;
+        return *this;
+    }
+    Index sourceIndex() const { return (*pairs)[at].first; }
+    Index targetIndex() const { return (*pairs)[at].second; }
+};
+
+/// The points of one leaf of the result.
+struct Gathered {
+    struct Point {
+        Index voxel;
+        Index point;       ///< index in its source leaf
+        std::size_t leaf;  ///< index of the source leaf
+        bool moved;
+        Vec3f within;  ///< position relative to the voxel centre, in voxels, if it moved
+    };
+    Coord origin;
+    std::vector<Point> points;
+};
+
+std::vector<Gathered> gather(const openvdb::GridBase& grid, const Leaves& leaves,
+                             const std::vector<PointImage>& images) {
+    std::vector<Gathered> out;
+    std::unordered_map<Coord, std::size_t> places;
+    std::size_t leaf = 0, known = leaves.all.size();
+    std::vector<Index> voxels;
+    for (const auto& image : images) {
+        while (image.source >= leaves.first[leaf + 1]) ++leaf;
+        const auto& from = *leaves.all[leaf];
+        if (known != leaf) {
+            voxels.clear();
+            each_point(from, [&](Index, Index voxel) { voxels.push_back(voxel); });
+            known = leaf;
+        }
+        const auto point = static_cast<Index>(image.source - leaves.first[leaf]);
+        Gathered::Point entry{voxels[point], point, leaf, image.moved, {}};
+        auto origin = from.origin();
+        if (image.moved) {
+            const auto at = grid.transform().worldToIndex(image.position);
+            if (!voxel_at(at))
+                throw Failure(fmt::format(
+                    "a point of grid '{}' is moved beyond all voxels; check the lattice",
+                    grid.getName()));
+            const auto voxel = Coord::round(at);
+            origin = voxel & ~static_cast<std::int32_t>(Leaf::DIM - 1);
+            entry.voxel = Leaf::coordToOffset(voxel);
+            entry.within = Vec3f(at - voxel.asVec3d());
+        }
+        const auto place = places.try_emplace(origin, out.size()).first->second;
+        if (place == out.size()) out.push_back({origin, {}});
+        out[place].points.push_back(entry);
+    }
+    return out;
+}
+
+bool unchanged(const Gathered& gathered, const Leaves& leaves) {
+    const auto leaf = gathered.points.front().leaf;
+    return gathered.points.size() == leaves.all[leaf]->pointCount() &&
+           std::all_of(gathered.points.begin(), gathered.points.end(),
+                       [&](const auto& point) { return point.leaf == leaf && !point.moved; });
+}
+
+std::unique_ptr<Leaf> made(Gathered& gathered, const Leaves& leaves,
+                           const AttributeArray::ScopedRegistryLock& lock) {
+    auto& points = gathered.points;
+    std::stable_sort(points.begin(), points.end(),
+                     [](const auto& a, const auto& b) { return a.voxel < b.voxel; });
+    const auto& like = leaves.all[points.front().leaf]->attributeSet();
+    auto set = std::make_unique<AttributeSet>(like, static_cast<Index>(points.size()), &lock);
+
+    std::unordered_map<std::size_t, std::vector<std::pair<Index, Index>>> runs;
+    for (std::size_t n = 0; n < points.size(); ++n)
+        runs[points[n].leaf].emplace_back(points[n].point, static_cast<Index>(n));
+    for (std::size_t n = 0; n < set->size(); ++n) {
+        auto& target = *set->get(n);
+        target.expand();
+        bool uniform = true;
+        for (const auto& [leaf, pairs] : runs) {
+            const auto& source = *leaves.all[leaf]->attributeSet().getConst(n);
+            uniform = uniform && source.isUniform();
+            // A uniform array stores one value, but copyValuesUnsafe reads as many as the stride.
+            AttributeArray::Ptr whole;
+            if (source.isUniform() && source.stride() > 1) {
+                whole = source.copy();
+                whole->expand();
+            }
+            target.copyValuesUnsafe(whole ? *whole : source, CopyRun{&pairs});
+        }
+        if (uniform) target.compact();
+    }
+    AttributeWriteHandle<Vec3f> positions(*set->get("P"));
+    for (std::size_t n = 0; n < points.size(); ++n)
+        if (points[n].moved) positions.set(static_cast<Index>(n), points[n].within);
+
+    std::vector<Leaf::ValueType> ends(Leaf::SIZE);
+    for (std::size_t voxel = 0, n = 0; voxel < Leaf::SIZE; ++voxel) {
+        while (n < points.size() && points[n].voxel == voxel) ++n;
+        ends[voxel] = static_cast<Index>(n);
+    }
+    auto out = std::make_unique<Leaf>(gathered.origin);
+    out->replaceAttributeSet(set.release(), true);
+    out->setOffsets(ends);
+    return out;
+}
+
+}  // namespace
+
+void require_sound(const openvdb::GridBase& grid, const std::string& path) {
+    const auto refuse = [&](const std::string& fault) {
+        throw Failure(fmt::format("{} is damaged: grid '{}': {}", path, grid.getName(), fault),
+                      Failure::Kind::input);
+    };
+    const auto place_of = [](const Coord& at) {
+        return fmt::format("[{}, {}, {}]", at.x(), at.y(), at.z());
+    };
+    // A uniform array can state any number of points without using memory.
+    constexpr std::uint64_t values_per_byte = 16;
+    const AttributeSet* first = nullptr;
+    std::uint64_t count = 0;
+    for (auto leaf = of(grid).tree().cbeginLeaf(); leaf; ++leaf) {
+        const auto& set = leaf->attributeSet();
+        try {
+            leaf->validateOffsets();
+        } catch (const openvdb::Exception& error) {
+            refuse(error.what());
+        }
+        const auto* const positions = set.getConst("P");
+        if (!positions || positions->valueType() != openvdb::typeNameAsString<Vec3f>() ||
+            positions->stride() != 1)
+            refuse("it has no attribute P of type vec3s, which holds the positions");
+        if (first && &first->descriptor() != &set.descriptor() &&
+            first->descriptor() != set.descriptor())
+            refuse("its points have other attributes here than there");
+        first = first ? first : &set;
+        for (std::size_t n = 0; n < set.size(); ++n) {
+            const auto& array = *set.getConst(n);
+            if (!array.hasConstantStride())
+                refuse("it has an attribute of a length that varies from point to point");
+            if (array.stride() < 1 || array.stride() != first->getConst(n)->stride())
+                refuse("it has an attribute of other lengths here than there");
+            if (array.size() != leaf->pointCount())
+                refuse(fmt::format("it counts {} points at {}, but has {} values",
+                                   leaf->pointCount(), place_of(leaf->origin()), array.size()));
+            const auto values = std::uint64_t{array.size()} * array.stride(),
+                       most = values_per_byte * leaf->memUsage();
+            if (values > most)
+                refuse(
+                    fmt::format("it states {} values in the voxels from {}, more than the {} that "
+                                "as many bytes can mean",
+                                values, place_of(leaf->origin()), most));
+        }
+        const Positions handle(*positions);
+        each_point(*leaf, [&](Index point, Index voxel) {
+            if (openvdb::math::isFinite(handle.get(point))) return;
+            refuse(fmt::format("the position of a point in voxel {} is not finite",
+                               place_of(leaf->offsetToGlobalCoord(voxel))));
+        });
+        count += leaf->pointCount();
+    }
+    if (count > 0xffffffffu)
+        refuse(fmt::format("it has {} points; the most is {}", count, 0xffffffffu));
+}
+
+std::size_t point_count(const openvdb::GridBase& grid) { return Leaves(grid).size(); }
+
+std::vector<Vec3d> point_positions(const openvdb::GridBase& grid) {
+    const Leaves leaves(grid);
+    std::vector<Vec3d> out(leaves.size());
+    leaves.each([&](const Leaf& leaf, std::size_t n) {
+        const Positions positions(*leaf.attributeSet().getConst("P"));
+        each_point(leaf, [&](Index point, Index voxel) {
+            out[leaves.first[n] + point] = grid.indexToWorld(
+                leaf.offsetToGlobalCoord(voxel).asVec3d() + Vec3d(positions.get(point)));
+        });
+    });
+    return out;
+}
+
+std::vector<std::uint64_t> point_identities(const openvdb::GridBase& grid) {
+    const Leaves leaves(grid);
+    std::vector<std::uint64_t> out(leaves.size());
+    leaves.each([&](const Leaf& leaf, std::size_t n) {
+        const Positions positions(*leaf.attributeSet().getConst("P"));
+        const auto* const ids = leaf.attributeSet().getConst("id");
+        each_point(leaf, [&](Index point, Index voxel) {
+            auto& identity = out[leaves.first[n] + point];
+            for (int c = 0; c < 3; ++c)
+                identity =
+                    identity * 0x100000001b3u +
+                    std::bit_cast<std::uint64_t>(leaf.offsetToGlobalCoord(voxel)[c] +
+                                                 static_cast<double>(positions.get(point)[c]));
+            if (!ids || ids->stride() != 1) return;
+            auto id = whole_number<std::int32_t>(*ids, point);
+            if (!id) id = whole_number<std::int64_t>(*ids, point);
+            identity = id.value_or(identity);
+        });
+    });
+    return out;
+}
+
+openvdb::GridBase::ConstPtr with_images(const openvdb::GridBase& grid,
+                                        const std::vector<PointImage>& images) {
+    const Leaves leaves(grid);
+    auto gathered = gather(grid, leaves, images);
+    std::vector<std::unique_ptr<Leaf>> made_leaves(gathered.size());
+    const AttributeArray::ScopedRegistryLock lock;
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, gathered.size()),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+            for (auto n = range.begin(); n < range.end(); ++n)
+                made_leaves[n] =
+                    unchanged(gathered[n], leaves)
+                        ? std::make_unique<Leaf>(*leaves.all[gathered[n].points.front().leaf])
+                        : made(gathered[n], leaves, lock);
+        });
+    const auto tree = std::make_shared<PointDataTree>(of(grid).background());
+    for (auto& leaf : made_leaves) tree->addLeaf(leaf.release());
+    // Share the transform: a copy of a map computes its inverse again.
+    const auto out = std::const_pointer_cast<openvdb::GridBase>(grid.copyGridReplacingTransform(
+        std::const_pointer_cast<openvdb::math::Transform>(grid.transformPtr())));
+    out->setTree(tree);
+    return out;
+}
+
+}  // namespace fluidcarve

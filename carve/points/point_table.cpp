@@ -1,0 +1,44 @@
+#include "carve/points/point_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace fluidcarve {
+
+const PointTable::Column* PointTable::column(std::string_view name) const {
+    const auto found = std::find_if(columns.begin(), columns.end(),
+                                    [&](const Column& each) { return each.name == name; });
+    return found == columns.end() ? nullptr : &*found;
+}
+
+double PointTable::number(const Column& column, std::size_t row) {
+    return number_in(column.values.data() + row * size_of(column.type), column.type, false);
+}
+
+void PointTable::set(Column& column, std::size_t row, double number) {
+    with_number_type(column.type, [&](auto value) {
+        if constexpr (std::is_floating_point_v<decltype(value)>)
+            value = static_cast<decltype(value)>(number);
+        else value = static_cast<decltype(value)>(std::lround(number));
+        std::memcpy(column.values.data() + row * sizeof value, &value, sizeof value);
+    });
+}
+
+openvdb::Vec3d PointTable::position(std::size_t row) const {
+    return {number(*column("x"), row), number(*column("y"), row), number(*column("z"), row)};
+}
+
+void PointTable::set_position(std::size_t row, const openvdb::Vec3d& to) {
+    for (auto& each : columns)
+        if (each.name.size() == 1 && each.name[0] >= 'x' && each.name[0] <= 'z')
+            set(each, row, to[each.name[0] - 'x']);
+}
+
+std::size_t PointTable::bytes() const {
+    std::size_t out = 0;
+    for (const auto& column : columns) out += column.values.size();
+    return out;
+}
+
+}  // namespace fluidcarve

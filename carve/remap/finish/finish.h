@@ -1,0 +1,29 @@
+#pragma once
+
+#include "carve/seam/carve_map.h"
+#include "carve/volume/volume.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fluidcarve {
+
+/// What to do to carved grids besides copying and interpolating values (METHOD 5).
+struct Finish {
+    std::optional<bool>
+        renormalize;  ///< whether level sets become distances again; nothing: where they can
+    std::vector<std::string> densities;  ///< names of grids that keep their mass
+    bool transform_vectors =
+        false;  ///< turn all grids of float vectors with space, also those in three parts
+};
+
+/// Finishes a carved volume.
+/// @param source  the volume before the carve
+/// @param carved  its grids after carve_volume(), in the same order
+/// @throws Failure if a grid of `densities` is missing or no density; if renormalising is demanded
+///   of a level set for which it can't be done
+Volume finished(const Volume& source, const Volume& carved, const Lattice& lattice,
+                const CarveMap& map, const Finish& finish);
+
+}  // namespace fluidcarve

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "carve/remap/finish/derivative.h"
+#include "carve/remap/voxels/places.h"
+
+#include <openvdb/openvdb.h>
+
+namespace fluidcarve {
+
+// Both functions take carved grids (METHOD 5). `D` is the CarveDerivative at a voxel, or at a
+// component's face. Active voxels without a derivative stay bit for bit. So do inactive ones, but
+// those into which some of a density is pressed: they become active.
+
+/// Scales a density by |det D|, so that it keeps its mass. If a voxel holds what several held
+/// before, its value is the mean over several positions in it, each with its own value in `source`:
+/// a single position would mostly be thin, since seams avoid what is dense.
+/// @param source  before the carve, of the same type and transform as `grid`
+/// @param grid    of floats or doubles, amounts per volume
+/// @return the grid itself if nothing changes
+openvdb::GridBase::ConstPtr mass_kept(const openvdb::GridBase::ConstPtr& source,
+                                      const openvdb::GridBase::ConstPtr& grid,
+                                      const CarvedPlaces& places,
+                                      const CarveDerivative& derivative);
+
+/// Turns and stretches velocities with the space around them: `D^-1` times the vector. On the faces
+/// of a staggered grid, the other two components are the means of the nearest four.
+/// @param grid  of float or double vectors, world units per any other unit
+/// @return the grid itself if nothing changes
+openvdb::GridBase::ConstPtr vectors_turned(const openvdb::GridBase::ConstPtr& grid,
+                                           const CarvedPlaces& places,
+                                           const CarveDerivative& derivative);
+
+}  // namespace fluidcarve

@@ -1,0 +1,294 @@
+#include "carve/remap/geometry/points.h"
+
+#include "carve/remap/finish/derivative.h"
+#include "carve/seam/carve_inverse.h"
+#include "carve/seam/joins.h"
+#include "carve/seam/step_columns.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace fluidcarve {
+namespace {
+
+using openvdb::Vec2d;
+using openvdb::Vec3d;
+
+/// Hashes a number to 64 well-mixed bits (Steele, Lea and Flood 2014).
+std::uint64_t mixed(std::uint64_t x) {
+    x += 0x9e3779b97f4a7c15u;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+}
+
+/// Reflects a coordinate that lies beyond an interval back into it.
+double reflected(double x, const Vec2d& room) {
+    if (x < room[0]) x = 2 * room[0] - x;
+    if (x > room[1]) x = 2 * room[1] - x;
+    return std::clamp(x, room[0], room[1]);
+}
+
+/// Whether a box holds a point, border included; BBoxd::isInside leaves out the border.
+bool reaches(const openvdb::BBoxd& box, const Vec3d& at) {
+    for (int n = 0; n < 3; ++n)
+        if (at[n] < box.min()[n] || at[n] > box.max()[n]) return false;
+    return true;
+}
+
+/// A number from 0 up to 1, evenly distributed over identities.
+double share(std::uint64_t identity) {
+    return static_cast<double>(mixed(identity ^ 0x5eedu) >> 11) * 0x1p-53;
+}
+
+/// A point on its way through the steps.
+struct MovedPoint {
+    Vec3d at;
+    std::uint64_t copy;  ///< 0: the point itself; else it tells the copies apart
+};
+
+/// Displaces copies at random.
+class Jitter {
+public:
+    explicit Jitter(double amount) : amount_(amount) {}
+
+    /// @param room  interval along the carved axis in which the copy must stay
+    Vec3d operator()(const Vec3d& at, const CarveStep& step, const Vec2d& room,
+                     std::uint64_t seed) const {
+        if (amount_ == 0) return at;
+        auto out = at;
+        for (int n = 0; n < 3; ++n) {
+            seed = mixed(seed);
+            const double by = amount_ * (static_cast<double>(seed >> 11) * 0x1p-52 - 1);
+            const auto wrapped = [&](int size) {
+                return at[n] + by - size * std::floor((at[n] + by) / size);
+            };
+            if (n == step.axis()) out[n] = reflected(at[n] + by, room);
+            else if (n == step.lateral_axis() && step.around()) out[n] = wrapped(step.laterals());
+            else if (n == step.lateral_axis())
+                out[n] =
+                    step.laterals() > 1
+                        ? reflected(at[n] + by, Vec2d(step.first_lateral(), step.last_lateral()))
+                        : at[n];
+            else if (step.closed()) out[n] = wrapped(step.slices());
+            else
+                out[n] = step.slices() > 1
+                             ? reflected(at[n] + by, Vec2d(step.first_slice(), step.last_slice()))
+                             : at[n];
+        }
+        return out;
+    }
+
+private:
+    double amount_;
+};
+
+/// Carves points under a smoothed map. Each point moves with its place. Where space is compressed
+/// by a factor, only one point in so many stays; where it is stretched, so many more are made. The
+/// points' identities decide which.
+class SoftCarve {
+public:
+    SoftCarve(const Mapping& mapping, const CarveMap& map, const Jitter& jitter)
+        : mapping_(mapping), map_(map), jitter_(jitter) {}
+
+    /// Finds the ways of a point and its copies; none if the point is deleted.
+    /// @param from  lattice index coordinates, where something moves
+    void operator()(const Vec3d& from, std::uint64_t identity,
+                    std::vector<MovedPoint>& ways) const {
+        ways.clear();
+        auto to = from;
+        double pressed = 1;
+        for (const auto& step : map_.steps()) {
+            const double u = to[step.axis()];
+            // An insertion writes over what lies beyond the lattice's ends.
+            if (step.holds(to) && (u < step.origin() || u > step.last_before()) &&
+                step.carves(to, step.scale(to)))
+                return;
+            to[step.axis()] = carved_coordinate(step, to);
+            if (step.holds(to) && to[step.axis()] != u) pressed *= slope(step, to);
+        }
+        if (to == from) {
+            ways.push_back({to, 0});
+            return;
+        }
+        // In bent lattices, cells differ in size.
+        pressed *=
+            std::abs(position_slope(mapping_, from).det() / position_slope(mapping_, to).det());
+        // Mean number of points in place of one, so that the density stays the same.
+        const double wanted = 1 / std::max(pressed, 1e-3);
+        const auto whole = static_cast<std::uint64_t>(wanted);
+        const auto count = whole + (share(identity) < wanted - static_cast<double>(whole) ? 1 : 0);
+        const auto& step = map_.steps().back();
+        for (std::uint64_t copy = 0; copy < count; ++copy) {
+            if (copy == 0) {
+                ways.push_back({to, 0});
+                continue;
+            }
+            const auto seed = mixed(identity) ^ mixed(copy);
+            auto beside = to;
+            beside[step.axis()] += (seed & 1) != 0 ? 0.5 : -0.5;
+            ways.push_back(
+                {jitter_(beside, step, {step.start() - 0.5, step.last() + 0.5}, seed), copy});
+        }
+    }
+
+private:
+    /// Slope of the map along a step's axis. The map is linear between entries.
+    static double slope(const CarveStep& step, const Vec3d& at) {
+        const StepColumns columns(step, at);
+        const int entry = std::clamp(static_cast<int>(std::floor(at[step.axis()])), step.start(),
+                                     std::max(step.start(), step.last() - 1));
+        return 1 + step.scale(at) * (columns.displacement(entry + 1) - columns.displacement(entry));
+    }
+
+    const Mapping& mapping_;
+    const CarveMap& map_;
+    const Jitter& jitter_;
+};
+
+/// Finds where a step that is joined by a fade shows a point.
+/// @param places, rooms  as for carve_point()
+void join_point(const CarveStep& step, const Vec3d& at, double share, std::vector<double>& places,
+                std::vector<Vec2d>& rooms) {
+    constexpr double around = 0.5;  // vertices, within which the blend hardly changes
+    places.clear();
+    rooms.clear();
+    const double u = at[step.axis()], scale = step.scale(at);
+    const auto [first, last] = step.ends(at, scale);
+    if (!step.holds(at) || scale == 0 || u < std::min<double>(first, step.origin()) ||
+        u > std::max<double>(last, step.last_before()))
+        places.push_back(u);
+    else if (u >= step.origin() && u <= step.last_before())
+        step.joins()->places(step, at, share, places);
+    for (const double place : places) rooms.emplace_back(place - around, place + around);
+}
+
+}  // namespace
+
+void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& places,
+                 std::vector<Vec2d>& rooms) {
+    places.clear();
+    rooms.clear();
+    const double u = at[step.axis()];
+    const auto stay = [&] {
+        places.push_back(u);
+        rooms.emplace_back(u, u);
+    };
+    const double scale = step.scale(at);
+    const auto [first, last] = step.ends(at, scale);
+    if (!step.holds(at) || scale == 0 || u < std::min<double>(first, step.origin()) ||
+        u > std::max<double>(last, step.last_before()))
+        return stay();
+    if (u < step.origin() || u > step.last_before()) return;  // an insertion writes over it
+
+    // The content at `u*` comes from `u* + scale d`, where `d` is a whole number between the bounds
+    // of seams. The places of a point are all `u*` whose content comes from it. They are searched
+    // from bound to bound; their sources never fall.
+    const StepColumns bounds(step, at);
+    const auto inserts = [&](std::size_t n) {
+        return step.inserts() == (n < static_cast<std::size_t>(step.count()));
+    };
+    const auto bound = [&](std::size_t n) { return bounds.bound(n) - (inserts(n) ? 0 : 0.5); };
+    const auto d = [&](std::size_t passed) {
+        const int ahead = static_cast<int>(passed),
+                  back = step.paired() ? std::max(ahead - step.count(), 0) : 0;
+        return (step.inserts() ? -1 : 1) * (ahead - 2 * back) + step.origin() - step.start();
+    };
+    // A point on a bound lies beyond it, and so does one that rounding moved there: of particles on
+    // vertices, or half a vertex beside them, a seam takes or doubles one layer. Near a rim, seams
+    // may be narrower than snap_width.
+    const double near = std::min(snap_width, scale / 4);
+    const auto beyond = [&](double place, std::size_t n) { return place >= bound(n) - near; };
+    for (std::size_t passed = 0; passed <= bounds.size(); ++passed) {
+        const double place = u - scale * d(passed);
+        if (passed > 0 && !beyond(place, passed - 1)) break;
+        if (passed < bounds.size() && beyond(place, passed)) continue;
+        if (place < first || place > last) continue;
+        places.push_back(place);
+        const double from = passed > 0 ? bound(passed - 1) : first;
+        rooms.emplace_back(from, std::min(from + scale, last));
+    }
+}
+
+CarvedPoints carve_points(const std::vector<Vec3d>& positions,
+                          const std::vector<std::uint64_t>& identities, const Lattice& lattice,
+                          const CarveMap& map, double jitter) {
+    const Mapping mapping(map.extended(lattice), map.reach());
+    const auto moves = map.moved();
+    const Jitter jittered(jitter);
+    // With a warp among them, seams squeeze points as the warp does.
+    const bool joined = std::ranges::all_of(
+        map.steps(), [](const CarveStep& step) { return step.joins() != nullptr; });
+    std::optional<SoftCarve> soft;
+    if (map.soft() && !joined) soft.emplace(mapping, map, jittered);
+    constexpr std::size_t grain = 4096;
+    struct Part {
+        std::vector<PointImage> images;
+        std::size_t moved = 0, deleted = 0, copied = 0;
+    };
+    std::vector<Part> parts((positions.size() + grain - 1) / grain);
+
+    const auto carve = [&](std::size_t n, Part& part, std::vector<MovedPoint>& ways,
+                           std::vector<MovedPoint>& next, std::vector<double>& places,
+                           std::vector<Vec2d>& rooms) {
+        const auto source = static_cast<std::uint32_t>(n);
+        const auto from = mapping.locate(positions[n]);
+        if (!from || !reaches(moves, *from)) return part.images.push_back({source, false, {}});
+        ways = {{*from, 0}};
+        if (soft) (*soft)(*from, identities[n], ways);
+        for (std::size_t s = 0; s < map.steps().size() && !soft; ++s) {
+            const auto& step = map.steps()[s];
+            next.clear();
+            for (const auto& way : ways) {
+                if (joined) join_point(step, way.at, share(identities[n] ^ s), places, rooms);
+                else carve_point(step, way.at, places, rooms);
+                for (std::size_t p = 0; p < places.size(); ++p) {
+                    auto to = way.at;
+                    to[step.axis()] = places[p];
+                    if (p == 0) next.push_back({to, way.copy});
+                    else {
+                        const auto copy = mixed(way.copy + 0x10000 * (s + 1) + p);
+                        next.push_back(
+                            {jittered(to, step, rooms[p], mixed(identities[n]) ^ copy), copy});
+                    }
+                }
+            }
+            ways.swap(next);
+        }
+        // The point itself comes first. A later step may take it and leave its copies.
+        part.deleted += ways.empty() || ways.front().copy != 0;
+        for (const auto& way : ways) {
+            const bool moved = way.at != *from;
+            part.images.push_back(
+                {source, moved,
+                 moved ? positions[n] + mapping.position(way.at) - mapping.position(*from)
+                       : Vec3d(0)});
+            if (way.copy != 0) ++part.copied;
+            else part.moved += moved;
+        }
+    };
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {
+        std::vector<MovedPoint> ways, next;
+        std::vector<double> places;
+        std::vector<Vec2d> rooms;
+        for (auto n = p * grain; n < std::min(positions.size(), (p + 1) * grain); ++n)
+            carve(n, parts[p], ways, next, places, rooms);
+    });
+
+    CarvedPoints out;
+    for (const auto& part : parts) {
+        out.images.insert(out.images.end(), part.images.begin(), part.images.end());
+        out.moved += part.moved;
+        out.deleted += part.deleted;
+        out.copied += part.copied;
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

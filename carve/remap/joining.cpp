@@ -1,0 +1,58 @@
+#include "carve/remap/joining.h"
+
+#include "carve/base/failure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace fluidcarve {
+
+namespace {
+
+constexpr double soft_of_thin = 3;  ///< vertices
+
+constexpr double soft_of_thickness = 1.4, fade_of_thickness = 1.2;
+
+constexpr double across_of_thickness =
+    0.5;  ///< the squeeze follows the seam's surface, but not its steps
+
+constexpr double beside_fade =
+    3;  ///< vertices: a squeeze reaches further than the fade that it goes with
+
+}  // namespace
+
+Softness softness_of(const JoinParams& params, const Seams& seams) {
+    const int size = seams.carved(),
+              slabs =
+                  static_cast<int>(seams.size() + static_cast<std::size_t>(seams.thickness) - 1) /
+                  seams.thickness;
+    const double thickness = seams.thickness;
+    const auto join = params.join.value_or(params.soft                    ? Join::squeeze
+                                           : params.fade || seams.thick() ? Join::fade
+                                                                          : Join::squeeze);
+    if (seams.warp || join == Join::cut) return {};
+    if (join == Join::squeeze) {
+        // The default is no fault, even in a small lattice.
+        if (params.soft && *params.soft > std::max<double>(size, soft_of_thin))
+            throw Failure(fmt::format(
+                "soft {:g} is wider than the lattice, which has {} vertices along {}; lower it",
+                *params.soft, size, to_text(seams.axis)));
+        const double reach =
+            params.soft.value_or(seams.thick() ? soft_of_thickness * thickness : soft_of_thin);
+        return {reach, params.soft_time};
+    }
+    if (params.fade && *params.fade * slabs > size)
+        throw Failure(
+            fmt::format("fade {:g} is wider than what lies between two joins: {} {} in {} vertices "
+                        "along {} leave {} to each; lower it, or ask for less",
+                        *params.fade, slabs, seams.thick() ? "slabs" : "seams", size,
+                        to_text(seams.axis), size / std::max(slabs, 1)));
+    const double fade = params.fade.value_or(fade_of_thickness * thickness);
+    // Joins are as smooth in time as in space.
+    return {std::max(soft_of_thickness * thickness, fade / 2 + beside_fade),
+            std::max(params.soft_time, 1.0), fade, std::max(2.0, across_of_thickness * thickness)};
+}
+
+}  // namespace fluidcarve

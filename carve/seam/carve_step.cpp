@@ -1,0 +1,182 @@
+#include "carve/seam/carve_step.h"
+
+#include "carve/base/failure.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace fluidcarve {
+
+namespace {
+
+/// Collects one column's entries of the first `count` seams of a window.
+/// @param sorted  becomes their original indices, rising
+void sort_entries(const std::vector<Seams::Seam>& seams, Seams::Kind kind, std::size_t count,
+                  std::size_t column, std::vector<std::uint16_t>& entries,
+                  std::vector<std::uint16_t>& sorted) {
+    entries.clear();
+    for (std::size_t n = 0; n < count; ++n) entries.push_back(seams[n].at[column]);
+    if (kind == Seams::Kind::remove) return to_original(entries, sorted);
+    sorted = entries;
+    std::sort(sorted.begin(), sorted.end());
+}
+
+/// A doubled slab in one column.
+struct Doubled {
+    int behind;    ///< original entry behind the slab: there the second copy begins
+    int vertices;  ///< of the slab that are doubled
+};
+
+/// The slabs that the first `count` insertions double in a column, rising.
+void sort_slabs(const Seams& set, const std::vector<Seams::Seam>& seams, std::size_t count,
+                std::size_t column, std::vector<Doubled>& slabs) {
+    slabs.clear();
+    const auto thickness = static_cast<std::size_t>(set.thickness);
+    for (std::size_t n = 0; n < count; n += thickness) {
+        const int vertices = static_cast<int>(std::min(thickness, count - n));
+        slabs.push_back({seams[n].at[column] + vertices, vertices});
+    }
+    std::ranges::stable_sort(slabs, {}, &Doubled::behind);
+}
+
+}  // namespace
+
+CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count,
+                     const std::array<int, 3>& origin)
+    : axis_(static_cast<int>(dimension(seams.axis))),
+      lateral_axis_(static_cast<int>(lateral_dimension(seams.axis))),
+      slice_axis_(static_cast<int>(slice_dimension(seams.axis))),
+      before_(seams.carved()),
+      after_(seams.shape_after(count)[dimension(seams.axis)]),
+      laterals_(seams.lateral()),
+      slices_(seams.slices()),
+      first_lateral_(origin[lateral_dimension(seams.axis)]),
+      first_slice_(origin[slice_dimension(seams.axis)]),
+      origin_(origin[dimension(seams.axis)]),
+      start_(origin_ + seams.shift_after(count)),
+      inserts_(!seams.warp && seams.kind == Seams::Kind::insert),
+      paired_(seams.paired()),
+      thick_(seams.thick()),
+      closed_(seams.slices_close()),
+      around_(seams.around),
+      turns_(seams.closed && !closed_),
+      count_(seams.warp ? 0 : count) {
+    if (high() > most_vertices)
+        throw Failure(fmt::format("{} vertices along {} are more than {}", high() + 1,
+                                  to_text(seams.axis), most_vertices + 1));
+    if (seams.warp) find_displacements(*seams.warp, t);
+    else find_bounds(seams, t);
+}
+
+void CarveStep::find_bounds(const Seams& seams, std::size_t t) {
+    const auto columns = seams.columns_per_frame();
+    bounds_.resize((paired_ ? 2 : 1) * count_ * columns);
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, columns, 1024),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+            std::vector<std::uint16_t> entries, sorted;
+            std::vector<Doubled> slabs;
+            for (auto c = range.begin(); c < range.end(); ++c) {
+                auto* out = bounds_.data() + c * (bounds_.size() / columns);
+                const auto add = [&](const std::vector<Seams::Seam>& window, bool inserts,
+                                     int shift) {
+                    if (thick_ && inserts) {
+                        // A slab's second copy stands behind the slab and the copies of those
+                        // before it.
+                        sort_slabs(seams, window, count_, t * columns + c, slabs);
+                        for (int before = 0; const auto& slab : slabs) {
+                            out = std::fill_n(
+                                out, slab.vertices,
+                                static_cast<std::uint16_t>(shift + slab.behind + before));
+                            before += slab.vertices;
+                        }
+                        return;
+                    }
+                    sort_entries(window, inserts ? Seams::Kind::insert : Seams::Kind::remove,
+                                 count_, t * columns + c, entries, sorted);
+                    // n removals come before the n-th removed entry. The n-th new entry stands
+                    // behind its original and n other new ones.
+                    for (int n = 0; n < count(); ++n)
+                        *out++ = static_cast<std::uint16_t>(
+                            shift + (inserts ? sorted[n] + n + 1 : sorted[n] - n));
+                };
+                add(seams.seams, inserts_, start_);
+                if (paired_) add(seams.pairs, !inserts_, start_ + growth());
+            }
+        });
+    first_moved_ = start_ == origin_ ? high() + 1 : low();
+    last_moved_ = paired_ ? 0 : high();
+    for (std::size_t c = 0; c < columns && count_ > 0; ++c) {
+        const auto* const column = bounds_.data() + c * (bounds_.size() / columns);
+        first_moved_ = std::min<int>(first_moved_, column[0]);
+        // Entries from the last removal on, or behind the last new entry, do not move.
+        if (paired_)
+            last_moved_ = std::max<int>(last_moved_, column[2 * count_ - 1] - (inserts_ ? 1 : 0));
+    }
+    const int shift = start_ - origin_;
+    most_down_ = std::max(0, shift + (inserts_ ? count() : 0));
+    most_up_ = std::max(0, (inserts_ ? 0 : count()) - shift);
+    common_ = {static_cast<double>(std::max(origin_, start_)),
+               static_cast<double>(std::min(last_before(), last()))};
+}
+
+CarveStep::Ends CarveStep::warped_ends(const openvdb::Vec3d& at, double scale) const {
+    const auto cell = [](double x, int last) {
+        return std::clamp(static_cast<int>(std::floor(x)), 0, std::max(0, last));
+    };
+    const double lateral = at[lateral_axis_] - first_lateral_,
+                 along = at[slice_axis_] - first_slice_;
+    const int j = cell(lateral, laterals_ - (around_ ? 1 : 2)),
+              k = cell(along, slices_ - (closed_ ? 1 : 2));
+    const int next_j = around_ ? (j + 1) % laterals_ : std::min(j + 1, laterals_ - 1),
+              next_k = closed_ ? (k + 1) % slices_ : std::min(k + 1, slices_ - 1);
+    const auto of = [&](int column, int slice) -> const Ends& {
+        return column_ends_[static_cast<std::size_t>(column) +
+                            static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slice)];
+    };
+    const auto mix = [](const Ends& a, const Ends& b, double part) {
+        return Ends{a.begin + part * (b.begin - a.begin), a.end + part * (b.end - a.end)};
+    };
+    const auto moved = mix(mix(of(j, k), of(next_j, k), lateral - j),
+                           mix(of(j, next_k), of(next_j, next_k), lateral - j), along - k);
+    const double first = scale * (moved.begin - origin_),
+                 last = scale * (moved.end - last_before());
+    constexpr double half = 0.5;
+    return {origin_ + first - std::min(half, std::abs(first)),
+            last_before() + last + std::min(half, std::abs(last))};
+}
+
+void CarveStep::set_soft(std::shared_ptr<const SmoothDisplacement> soft, int first, int last) {
+    soft_ = std::move(soft);
+    first_moved_ = start_ == origin_ ? first + 1 : low();
+    if (paired_) last_moved_ = last - 1;
+}
+
+std::vector<CarveStep::Span> CarveStep::windows(const Seams& seams) const {
+    const double whole = origin_ - start_, net = -growth();
+    if (!paired_) {
+        const auto window = seams.window.value_or(seams.whole_window());
+        return {{{start_ + window.first, start_ + window.last + growth()}, whole, whole + net}};
+    }
+    std::array<Window, 2> out{Window{high(), low()}, Window{high(), low()}};
+    if (seams.window && seams.pair_window) {
+        const int moved = start_ + growth();
+        out = {
+            Window{start_ + seams.window->first, start_ + seams.window->last + growth()},
+            Window{moved + seams.pair_window->first, moved + seams.pair_window->last - growth()}};
+    } else {
+        // A file may state no windows. They then begin and end where the seams do.
+        for (std::size_t c = 0; c < bounds_.size(); c += 2 * count_)
+            for (std::size_t n = 0; n < 2; ++n) {
+                out[n].first = std::min<int>(out[n].first, bounds_[c + n * count_]);
+                out[n].last = std::max<int>(out[n].last, bounds_[c + (n + 1) * count_ - 1]);
+            }
+    }
+    return {{out[0], 0, net}, {out[1], net, 0}};
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,243 @@
+#pragma once
+
+#include "carve/seam/seams.h"
+#include "carve/seam/window.h"
+
+#include <openvdb/Types.h>
+#include <openvdb/math/Coord.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace fluidcarve {
+
+class Joins;
+class SmoothDisplacement;
+
+/// One seam set in one frame, as a map from carved to original vertices along the carved axis:
+/// `m(i)` of METHOD 4. Pairs of seams move only the entries between their two windows. A warp is
+/// always smooth: it has displacements soft(), and no bounds.
+/// Entries are positions along the axis. With an anchor, the carved space may begin at another
+/// entry than the space before. The content of carved entry `i` comes from entry `i + d`.
+/// Displacements `d` are in half vertices, since an inserted entry stands between two.
+class CarveStep {
+public:
+    /// @param t       index of the frame in seams.frames
+    /// @param count   number of seams used, from the first; 1 for a warp
+    /// @param origin  first vertex of the space before
+    CarveStep(const Seams& seams, std::size_t t, std::size_t count,
+              const std::array<int, 3>& origin = {});
+
+    // Places among a vertex's coordinates.
+    int axis() const { return axis_; }
+    int lateral_axis() const { return lateral_axis_; }
+    int slice_axis() const { return slice_axis_; }
+    bool inserts() const {
+        return inserts_;
+    }  ///< of pairs, the seams of the first window; not for a warp
+    bool paired() const { return paired_; }
+    bool thick() const {
+        return thick_;
+    }  ///< whether seams are slabs (Seams::thickness); a slab's bounds are the same entry
+    bool warps() const { return !column_ends_.empty(); }  ///< whether the set is a warp
+    bool closed() const {
+        return closed_;
+    }  ///< whether slice slices() is slice 0 again; first_slice() is then 0
+    bool turns() const {
+        return turns_;
+    }  ///< whether the planes that are carved are closed: entry before() is entry 0 again
+    bool around() const {
+        return around_;
+    }  ///< whether column laterals() is column 0 again; first_lateral() is then 0
+    int count() const { return static_cast<int>(count_); }  ///< of seams; 0 for a warp
+    int before() const { return before_; }  ///< vertices along the axis before the carve
+    int after() const { return after_; }
+    int laterals() const { return laterals_; }
+    int first_lateral() const { return first_lateral_; }
+    int last_lateral() const { return first_lateral_ + laterals_ - 1; }
+    int slices() const { return slices_; }
+    int first_slice() const { return first_slice_; }
+    int last_slice() const { return first_slice_ + slices_ - 1; }
+
+    int origin() const { return origin_; }  ///< first entry of the space before
+    int start() const { return start_; }    ///< first entry of the carved space
+    int last_before() const { return origin_ + before_ - 1; }
+    int last() const { return start_ + after() - 1; }
+    /// First and last entry that the step may write.
+    int low() const { return std::min(origin_, start_); }
+    int high() const { return std::max(last_before(), last()); }
+    /// In all columns, no entry below this moves.
+    int first_moved() const { return first_moved_; }
+    /// In all columns, no entry above this moves.
+    int last_moved() const { return last_moved_; }
+    /// Largest distances from an entry down and up to where its content comes from, vertices.
+    int most_down() const { return most_down_; }
+    int most_up() const { return most_up_; }
+
+    /// A range of entries within which displacements change, and the displacements before and
+    /// behind it, vertices.
+    struct Span {
+        Window entries;
+        double before, behind;
+    };
+    /// The windows of the seams in the carved space, rising. Displacements change along the axis
+    /// only within them.
+    /// @param seams  the seams that the step was made of
+    std::vector<Span> windows(const Seams& seams) const;
+
+    /// Replaces displacements by whole vertices with smoothed ones.
+    /// @param first, last  displacements are constant along the axis before `first` and behind
+    ///   `last`
+    void set_soft(std::shared_ptr<const SmoothDisplacement> soft, int first, int last);
+    /// The smoothed displacements; null if whole vertices move.
+    const SmoothDisplacement* soft() const { return soft_.get(); }
+
+    /// Fades both sides of seams into each other. The smoothed displacements then say how what is
+    /// wider than the seams is squeezed or stretched.
+    void set_joins(std::shared_ptr<const Joins> joins) { joins_ = std::move(joins); }
+    /// Where seams are joined by a fade; null if they are not.
+    const Joins* joins() const { return joins_.get(); }
+
+    /// Whether the step carves or frees a point of its carved space.
+    /// @param at  carved lattice coordinates
+    bool holds(const openvdb::Vec3d& at) const {
+        const double entry = at[axis_], lateral = at[lateral_axis_], slice = at[slice_axis_];
+        return entry >= low() && entry <= high() && lateral >= first_lateral_ &&
+               lateral <= (around_ ? laterals_ : last_lateral()) && slice >= first_slice_ &&
+               slice <= (closed_ ? slices_ : last_slice());
+    }
+    void fade(double vertices) { fade_ = vertices; }  ///< see CarveMap::fade
+    bool fades() const { return fade_ > 0; }
+    /// Factor for displacements at a point, 0..1. Rises linearly from 0 at lateral rims and open
+    /// ends to 1 at `fade` vertices from them. Always 1 without a fade.
+    double scale(const openvdb::Vec3d& at) const {
+        if (fade_ == 0) return 1;
+        const auto from_rim = [this](double x, int size) {
+            return size == 1 ? fade_ : std::min(x, size - 1 - x);
+        };
+        const double lateral =
+                         around_ ? fade_ : from_rim(at[lateral_axis_] - first_lateral_, laterals_),
+                     slice = closed_ ? fade_ : from_rim(at[slice_axis_] - first_slice_, slices_);
+        return std::min(1.0, std::min(lateral, slice) / fade_);
+    }
+    /// Where something begins and ends along the axis.
+    struct Ends {
+        double begin, end;
+    };
+    /// The carved space at a point. The entries that a removal frees, or an insertion adds, are
+    /// scaled too. A warp's ends stand where it moves the first and the last vertex of the column;
+    /// if it moves them, the content goes on for half a vertex.
+    /// @param at     carved lattice coordinates, held
+    /// @param scale  scale(at)
+    Ends ends(const openvdb::Vec3d& at, double scale) const {
+        if (warps()) return warped_ends(at, scale);
+        return {origin_ + scale * (start_ - origin_),
+                last_before() + scale * (last() - last_before())};
+    }
+    /// Whether a point that the step holds lies in its carved space.
+    bool carves(const openvdb::Vec3d& at, double scale) const {
+        const double u = at[axis_];
+        if (u >= common_.begin && u <= common_.end) return true;
+        const auto [begin, end] = ends(at, scale);
+        return u >= begin && u <= end;
+    }
+    /// Whether the step frees a point that it holds but does not carve: it lies in the space
+    /// before. Otherwise the point stays.
+    bool frees(const openvdb::Vec3d& at) const {
+        return at[axis_] >= origin_ && at[axis_] <= last_before();
+    }
+    /// Whether the step may free some point of a range along the axis.
+    bool may_free(double first, double last) const {
+        return (common_.begin > origin_ && first < common_.begin) ||
+               (common_.end < last_before() && last > common_.end);
+    }
+    /// The part of the space before that lies in the carved space in all columns.
+    const Ends& common() const { return common_; }
+    /// Clamps a source to the space before. A smoothed map may lead beyond its ends; it then reads
+    /// at the ends.
+    double held(double source) const {
+        return std::clamp(source, static_cast<double>(origin_), static_cast<double>(last_before()));
+    }
+    /// The source of a point at `u` under a fade: `source`, its source without a fade, drawn
+    /// towards `u`; never beyond the lattice.
+    double drawn(double u, double source, double scale) const {
+        return scale < 1 ? held(u + scale * (source - u)) : source;
+    }
+    /// Whether the step has the column of a vertex.
+    bool has_column(const openvdb::Coord& vertex) const {
+        const int lateral = vertex[lateral_axis_], slice = vertex[slice_axis_];
+        return lateral >= first_lateral_ && lateral <= last_lateral() && slice >= first_slice_ &&
+               slice <= last_slice();
+    }
+    /// The carved entries from which on the seams of a column displace, one per seam, rising. For
+    /// an insertion it is the new entry; if slabs are doubled, the first entry of the second copy.
+    /// Of pairs, seams of the first window come first.
+    /// @param slice  may be slices() if closed()
+    std::span<const std::uint16_t> bounds(int lateral, int slice) const {
+        const int j = lateral - first_lateral_,
+                  k = closed_ && slice == slices_ ? 0 : slice - first_slice_;
+        const auto all = (paired_ ? 2 : 1) * count_;
+        return {
+            bounds_.data() + (static_cast<std::size_t>(j) +
+                              static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) *
+                                 all,
+            all};
+    }
+    /// The bounds of a vertex's column, which must exist.
+    std::span<const std::uint16_t> bounds(const openvdb::Coord& vertex) const {
+        return bounds(vertex[lateral_axis_], vertex[slice_axis_]);
+    }
+    /// Number of a column's bounds that are at most `entry`.
+    static std::size_t passed(int entry, std::span<const std::uint16_t> all) {
+        // Shortcut: most entries lie below or above all bounds.
+        if (all.empty() || entry < all.front()) return 0;
+        if (entry >= all.back()) return all.size();
+        return static_cast<std::size_t>(std::upper_bound(all.begin(), all.end(), entry) -
+                                        all.begin());
+    }
+    /// Displacement of an entry without smoothing, half vertices.
+    /// @param entry   start() to last()
+    /// @param passed  passed(entry, all)
+    /// @param all     bounds of the column
+    int displacement(int entry, std::size_t passed, std::span<const std::uint16_t> all) const {
+        // The seams of the second window undo what those of the first did.
+        const int back = paired_ ? std::max(static_cast<int>(passed) - count(), 0) : 0;
+        const int ahead = 2 * (static_cast<int>(passed) - 2 * back);
+        const bool at_new =
+            !thick_ && passed > 0 && inserts_ == (back == 0) && all[passed - 1] == entry;
+        return (inserts_ ? -ahead : ahead) + (at_new ? 1 : 0) + 2 * (origin_ - start_);
+    }
+    /// The same in an existing column.
+    int displacement(int entry, int lateral, int slice) const {
+        const auto all = bounds(lateral, slice);
+        return displacement(entry, passed(entry, all), all);
+    }
+
+private:
+    /// Vertices by which the seams of the first window lengthen it.
+    int growth() const { return inserts_ ? count() : -count(); }
+    void find_bounds(const Seams& seams, std::size_t t);
+    void find_displacements(const Warp& warp, std::size_t t);
+    Ends warped_ends(const openvdb::Vec3d& at, double scale) const;
+
+    int axis_, lateral_axis_, slice_axis_, before_, after_, laterals_, slices_, first_lateral_,
+        first_slice_, origin_, start_;
+    bool inserts_, paired_, thick_, closed_, around_, turns_;
+    std::size_t count_;
+    int first_moved_, last_moved_, most_down_, most_up_;
+    double fade_ = 0;                    ///< vertices; 0: none
+    std::vector<std::uint16_t> bounds_;  ///< `[column][seam]`
+    Ends common_;
+    std::vector<Ends> column_ends_;  ///< `[column]`: where a warp moves the first and the last
+                                     ///< vertex; empty for seams
+    std::shared_ptr<const SmoothDisplacement> soft_;
+    std::shared_ptr<const Joins> joins_;
+};
+
+}  // namespace fluidcarve

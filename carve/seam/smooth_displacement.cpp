@@ -1,0 +1,380 @@
+#include "carve/seam/smooth_displacement.h"
+
+#include "carve/seam/joins.h"
+#include "carve/vectors/eight.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace fluidcarve {
+
+using openvdb::Vec3d;
+
+namespace {
+
+/// Displacements this close to a whole number of vertices are rounded to it.
+constexpr float snap = 1e-4f;
+
+/// Weights of a tent from -n to n; their sum is 1.
+std::vector<float> tent(double reach) {
+    const int n = static_cast<int>(std::ceil(reach));
+    std::vector<double> out;
+    double sum = 0;
+    for (int x = -n; x <= n; ++x) sum += out.emplace_back(1 - std::abs(x) / (reach + 1));
+    for (auto& weight : out) weight /= sum;
+    return {out.begin(), out.end()};
+}
+
+/// Computes the weighted mean of rows, and rounds it where a whole number is near. The mean of
+/// equal values is that value, bit for bit.
+/// @param weights  an odd number; their sum is 1
+/// @param rows     one for each weight: whole_eights(size) floats
+/// @param to       whole_eights(size) floats; not part of a row
+FLUIDCARVE_WIDE void weighted_mean(std::span<const float> weights, const float* const* rows,
+                                   std::size_t size, float* to) {
+    const auto middle = weights.size() / 2;
+    for (std::size_t e = 0; e < size; e += 8) {
+        const auto base = eight_at(rows[middle] + e);
+        Eight sum{};
+        for (std::size_t n = 0; n < weights.size(); ++n)
+            if (n != middle) sum += weights[n] * (eight_at(rows[n] + e) - base);
+        const auto mean = base + sum;
+        // Adding this number, 1.5 * 2^23, leaves no bits for a fraction.
+        constexpr float whole_only = 12582912;
+        const auto whole = (mean + whole_only) - whole_only,
+                   out = size_of(mean - whole) < snap ? whole : mean;
+        std::memcpy(to + e, &out, sizeof out);
+    }
+}
+
+/// Writes a column's displacements without smoothing.
+/// @param to  `[entry]`, entries of the range, vertices; up to seven more are overwritten
+FLUIDCARVE_WIDE void write_displacements(const CarveStep& step,
+                                         std::span<const std::uint16_t> bounds,
+                                         const Window& entries, float* to) {
+    for (int e = entries.first; e <= entries.last;) {
+        const auto passed = CarveStep::passed(e, bounds);
+        const float d = 0.5f * static_cast<float>(step.displacement(e, passed, bounds));
+        // Displacements change at bounds. At the bound itself, a new entry has one of its own.
+        const bool at_bound = passed > 0 && bounds[passed - 1] == e;
+        const int end = at_bound                 ? e + 1
+                        : passed < bounds.size() ? std::min<int>(bounds[passed], entries.last + 1)
+                                                 : entries.last + 1;
+        const auto eight = eight_of(d);
+        for (int at = e; at < end; at += 8)
+            std::memcpy(to + (at - entries.first), &eight, sizeof eight);
+        e = end;
+    }
+}
+
+/// Displacements of one column, mirrored at the ends of a span.
+class Mirrored {
+public:
+    Mirrored(std::span<const float> all, int first) : all_(all), first_(first) {}
+    float operator()(int entry, const CarveStep::Span& span) const {
+        double add = 0, sign = 1;
+        const auto& [low, high] = span.entries;
+        while (entry < low || entry > high) {
+            const bool below = entry < low;
+            add += sign * 2 * (below ? span.before : span.behind);
+            sign = -sign;
+            entry = (below ? 2 * low - 1 : 2 * high + 1) - entry;
+        }
+        return static_cast<float>(add + sign * all_[static_cast<std::size_t>(entry - first_)]);
+    }
+
+private:
+    std::span<const float> all_;
+    int first_;
+};
+
+/// Spans without the entries at their ends where all columns of all steps are displaced alike, also
+/// once they are smoothed.
+/// @param reach  of the smoothing along the axis, entries
+std::vector<CarveStep::Span> where_smoothed(std::span<const CarveStep* const> steps,
+                                            std::span<const CarveStep::Span> spans, int reach) {
+    int front = spans.back().entries.last, back = spans.front().entries.first;
+    for (const auto* const step : steps)
+        for (int slice = step->first_slice(); slice <= step->last_slice(); ++slice)
+            for (int lateral = step->first_lateral(); lateral <= step->last_lateral(); ++lateral) {
+                const auto bounds = step->bounds(lateral, slice);
+                front = std::min<int>(front, bounds.front());
+                back = std::max<int>(back, bounds.back());
+            }
+    std::vector<CarveStep::Span> out(spans.begin(), spans.end());
+    auto &first = out.front().entries.first, &last = out.back().entries.last;
+    first = std::max(first, front - reach - 1);
+    last = std::min(last, back + reach + 1);
+    return out;
+}
+
+}  // namespace
+
+SmoothDisplacement::SmoothDisplacement(const CarveStep& step, int first, int last)
+    : axes_{step.axis(), step.lateral_axis(), step.slice_axis()},
+      laterals_(step.laterals()),
+      slices_(step.slices()),
+      first_lateral_(step.first_lateral()),
+      first_slice_(step.first_slice()),
+      closed_(step.closed()),
+      around_(step.around()),
+      carved_{step.start(), step.last()},
+      first_(first) {
+    resize(last);
+}
+
+void SmoothDisplacement::resize(int last) {
+    last_ = last;
+    row_ = whole_eights(static_cast<std::size_t>(last_ - first_) + 1);
+    const auto count =
+        row_ * static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_);
+    entries_ =
+        std::make_shared<FloatFrameStore>(1, count, std::numeric_limits<std::uint64_t>::max(), "");
+}
+
+SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplacement(step, 0, 0) {
+    const int reach = step.count();
+    first_ = std::clamp(step.first_moved() - 1 - reach, step.start(), step.last());
+    int last = first_;
+    for (int slice = step.first_slice(); slice <= step.last_slice(); ++slice)
+        for (int lateral = step.first_lateral(); lateral <= step.last_lateral(); ++lateral)
+            last = std::max(last,
+                            std::min(step.bounds(lateral, slice).back() + reach + 1, step.last()));
+    resize(last);
+
+    const auto laterals = static_cast<std::size_t>(laterals_);
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(slices_), 64),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+            // Running sums of displacements, half vertices: over all entries before one, from the
+            // first that counts.
+            const int from = std::max(first_ - reach, step.start()),
+                      to = std::min(last_ + reach, step.last());
+            std::vector<int> before(static_cast<std::size_t>(to - from) + 2);
+            const auto sum = [&](int entry) {
+                return before[static_cast<std::size_t>(entry - from)];
+            };
+            for (auto column = range.begin(); column < range.end(); ++column) {
+                const int lateral = step.first_lateral() + static_cast<int>(column % laterals),
+                          slice = step.first_slice() + static_cast<int>(column / laterals);
+                const auto bounds = step.bounds(lateral, slice);
+                std::size_t passed = CarveStep::passed(from, bounds);
+                for (int e = from; e <= to; ++e) {
+                    while (passed < bounds.size() && bounds[passed] <= e) ++passed;
+                    before[static_cast<std::size_t>(e - from) + 1] =
+                        sum(e) + step.displacement(e, passed, bounds);
+                }
+                for (int e = first_; e <= last_; ++e) {
+                    const int beside = std::min({reach, e - step.start(), step.last() - e});
+                    entries()[column * row_ + static_cast<std::size_t>(e - first_)] =
+                        static_cast<float>(0.5 * (sum(e + beside + 1) - sum(e - beside)) /
+                                           (2 * beside + 1));
+                }
+            }
+        });
+}
+
+SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> steps,
+                                            std::span<const CarveStep::Span> windows,
+                                            const Softness& softness) {
+    const auto& step = *steps[steps.size() / 2];
+    const auto along = tent(softness.vertices), over = tent(softness.frames);
+    const int reach = static_cast<int>(along.size() / 2);
+    const auto spans = where_smoothed(steps, windows, reach);
+    const int first = spans.front().entries.first, last = spans.back().entries.last;
+    SmoothDisplacement out(step, first - 1, last + 1);
+    out.ends_ = {spans.front().before, spans.back().behind};
+    const auto laterals = static_cast<std::size_t>(out.laterals_),
+               size = static_cast<std::size_t>(last - first) + 3;
+    const auto smooth = [&](const tbb::blocked_range<std::size_t>& range) {
+        // Rows of displacements: in the frames, over time, with what lies beyond a span, smoothed.
+        const auto row = whole_eights(size + 7);
+        std::vector<float> frames(row * steps.size()), mean(row), beyond(row + along.size()),
+            smoothed(row);
+        auto& now = steps.size() == 1 ? frames : mean;
+        std::vector<const float*> of_frames, shifted;
+        for (std::size_t n = 0; n < steps.size(); ++n) of_frames.push_back(frames.data() + n * row);
+        for (std::size_t n = 0; n < along.size(); ++n) shifted.push_back(beyond.data() + n);
+        for (auto column = range.begin(); column < range.end(); ++column) {
+            const int lateral = step.first_lateral() + static_cast<int>(column % laterals),
+                      slice = step.first_slice() + static_cast<int>(column / laterals);
+            for (std::size_t n = 0; n < steps.size(); ++n)
+                write_displacements(*steps[n], steps[n]->bounds(lateral, slice), {first, last},
+                                    frames.data() + n * row + 1);
+            if (steps.size() > 1) weighted_mean(over, of_frames.data(), size, mean.data());
+            now.front() = static_cast<float>(out.ends_->first);
+            now[size - 1] = static_cast<float>(out.ends_->second);
+            auto* const to = out.entries() + column * out.row_;
+            std::copy_n(now.data(), size, to);
+            const Mirrored mirrored(now, first - 1);
+            for (const auto& span : spans) {
+                const int low = span.entries.first - reach, high = span.entries.last + reach;
+                const auto length =
+                    static_cast<std::size_t>(span.entries.last - span.entries.first) + 1;
+                for (int e = low; e < span.entries.first; ++e)
+                    beyond[static_cast<std::size_t>(e - low)] = mirrored(e, span);
+                std::copy_n(now.data() + (span.entries.first - first + 1), length,
+                            beyond.data() + reach);
+                for (int e = span.entries.last + 1; e <= high; ++e)
+                    beyond[static_cast<std::size_t>(e - low)] = mirrored(e, span);
+                weighted_mean(along, shifted.data(), length, smoothed.data());
+                std::copy_n(smoothed.data(), length, to + (span.entries.first - first + 1));
+            }
+        }
+    };
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(out.slices_), 64),
+        smooth);
+    if (reach > 0) {
+        const auto across = tent(softness.across.value_or(softness.vertices));
+        out.smooth_across(across, false);
+        out.smooth_across(across, true);
+    }
+    return out;
+}
+
+SmoothDisplacement SmoothDisplacement::of(const CarveStep& step, const Warp& warp, std::size_t t) {
+    SmoothDisplacement out(step, step.start(), step.last());
+    const auto laterals = static_cast<std::size_t>(out.laterals_);
+    const int vertices = step.before();
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(out.slices_), 64),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+            std::vector<float> shifts(static_cast<std::size_t>(vertices));
+            for (auto column = range.begin(); column < range.end(); ++column) {
+                warp.column(t, static_cast<int>(column % laterals),
+                            static_cast<int>(column / laterals), shifts);
+                const auto shift = [&](int vertex) {
+                    return static_cast<double>(
+                        shifts[static_cast<std::size_t>(std::min(vertex, vertices - 1))]);
+                };
+                // The content of an entry comes from between vertex `low` and the next.
+                int low = 0;
+                for (int e = out.first_; e <= out.last_; ++e) {
+                    const int to = e - step.origin();
+                    while (low + 2 < vertices && low + 1 + shift(low + 1) <= to) ++low;
+                    const double change = shift(low + 1) - shift(low),
+                                 part = (to - low - shift(low)) / (1 + change);
+                    // Subtracted from 0, so that no displacement is -0.
+                    const double d = 0 - (shift(low) + part * change), whole = std::round(d);
+                    out.entries()[column * out.row_ + static_cast<std::size_t>(e - out.first_)] =
+                        static_cast<float>(std::abs(d - whole) < snap ? whole : d);
+                }
+            }
+        });
+    return out;
+}
+
+void SmoothDisplacement::smooth_across(std::span<const float> weights, bool slices) {
+    const int reach = static_cast<int>(weights.size() / 2), count = slices ? slices_ : laterals_;
+    if (count == 1) return;
+    const bool ring = slices ? closed_ : around_;
+    const auto laterals = static_cast<std::size_t>(laterals_);
+    const auto stride = slices ? laterals * row_ : row_, between = slices ? row_ : laterals * row_;
+    // Every line of columns is smoothed in place, from a copy.
+    tbb::parallel_for(tbb::blocked_range<int>(0, slices ? laterals_ : slices_),
+                      [&](const tbb::blocked_range<int>& lines) {
+                          std::vector<float> copy(row_ * static_cast<std::size_t>(count));
+                          std::vector<const float*> rows(weights.size());
+                          for (int line = lines.begin(); line < lines.end(); ++line) {
+                              auto* const first =
+                                  entries() + static_cast<std::size_t>(line) * between;
+                              for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n)
+                                  std::copy_n(first + n * stride, row_, copy.data() + n * row_);
+                              for (int at = 0; at < count; ++at) {
+                                  for (std::size_t n = 0; n < rows.size(); ++n) {
+                                      const int near = at + static_cast<int>(n) - reach;
+                                      const int held = ring ? (near % count + count) % count
+                                                            : std::clamp(near, 0, count - 1);
+                                      rows[n] = copy.data() + static_cast<std::size_t>(held) * row_;
+                                  }
+                                  weighted_mean(weights, rows.data(), row_,
+                                                first + static_cast<std::size_t>(at) * stride);
+                              }
+                          }
+                      });
+}
+
+SmoothDisplacement::Value SmoothDisplacement::at(const Vec3d& at, const CarveStep& step) const {
+    std::array<int, 3> low;
+    std::array<double, 3> part;
+    for (std::size_t d = 0; d < 3; ++d) {
+        low[d] = static_cast<int>(at[axes_[d]]);
+        part[d] = at[axes_[d]] - low[d];
+    }
+    Value out{0, Vec3d(0)};
+    if (low[0] + 2 < first_ && column(first_lateral_, first_slice_).front() == 0) return out;
+
+    const std::array<int, 3> first{carved_.first, first_lateral_, first_slice_},
+        last{carved_.last, first_lateral_ + laterals_ - 1, first_slice_ + slices_ - 1};
+    const auto value = [&](std::array<int, 3> vertex) {
+        if (closed_) vertex[2] = (vertex[2] + slices_) % slices_;
+        if (around_) vertex[1] = (vertex[1] + laterals_) % laterals_;
+        const auto d = [&] {
+            const double here =
+                entry(std::clamp(vertex[0], carved_.first, carved_.last), vertex[1], vertex[2]);
+            if (!ends_ || (vertex[0] >= carved_.first && vertex[0] <= carved_.last)) return here;
+            return 2 * (vertex[0] < carved_.first ? ends_->first : ends_->second) - here;
+        };
+        if (!step.fades()) return d();
+        Vec3d place;
+        for (std::size_t n = 0; n < 3; ++n) place[axes_[n]] = vertex[n];
+        return step.scale(place) * d();
+    };
+    for (unsigned n = 0; n < 8; ++n) {
+        double weight = 1;
+        auto corner = low;
+        for (std::size_t d = 0; d < 3; ++d) {
+            corner[d] += n >> d & 1 ? 1 : 0;
+            weight *= n >> d & 1 ? part[d] : 1 - part[d];
+        }
+        if (weight == 0) continue;
+        out.d += weight * value(corner);
+        for (std::size_t d = 0; d < 3; ++d) {
+            auto below = corner, above = corner;
+            --below[d];
+            ++above[d];
+            // At an end of a mirrored map, the mirror image gives the slope. Otherwise slopes are
+            // one-sided at rims.
+            if (d == 0 ? !ends_ : d == 1 ? !around_ : !closed_) {
+                below[d] = std::max(below[d], first[d]);
+                above[d] = std::min(above[d], last[d]);
+            }
+            if (below[d] == above[d]) continue;
+            out.gradient[axes_[d]] +=
+                weight * (value(above) - value(below)) / (above[d] - below[d]);
+        }
+    }
+    return out;
+}
+
+void soften(CarveStep& step, const Seams& seams, std::size_t t, const Softness& softness) {
+    const int reach = static_cast<int>(std::ceil(softness.frames)),
+              last = static_cast<int>(seams.frames.size()) - 1;
+    std::vector<CarveStep> others;
+    others.reserve(2 * static_cast<std::size_t>(reach));
+    std::vector<const CarveStep*> steps;
+    std::array<int, 3> origin{};
+    origin[static_cast<std::size_t>(step.axis())] = step.origin();
+    origin[static_cast<std::size_t>(step.lateral_axis())] = step.first_lateral();
+    origin[static_cast<std::size_t>(step.slice_axis())] = step.first_slice();
+    for (int n = -reach; n <= reach; ++n) {
+        const int near = std::clamp(static_cast<int>(t) + n, 0, last);
+        if (near == static_cast<int>(t)) steps.push_back(&step);
+        else
+            steps.push_back(&others.emplace_back(seams, static_cast<std::size_t>(near),
+                                                 static_cast<std::size_t>(step.count()), origin));
+    }
+    auto soft = std::make_shared<const SmoothDisplacement>(
+        SmoothDisplacement::soft(steps, step.windows(seams), softness));
+    const int first = soft->first(), behind = soft->last();
+    step.set_soft(std::move(soft), first, behind);
+    if (softness.fade > 0)
+        step.set_joins(std::make_shared<const Joins>(steps, step.windows(seams), softness.fade));
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,41 @@
+#include "carve/seam/vertex_range.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace fluidcarve {
+
+Window VertexRange::of(int size) const {
+    const auto vertex = [&](double stated) {
+        return static_cast<int>(std::lround(shares ? stated / 100 * (size - 1) : stated));
+    };
+    return {vertex(first), vertex(last)};
+}
+
+std::optional<Window> VertexRange::vertices() const {
+    return shares ? std::nullopt : std::optional(of(0));
+}
+
+std::string text_of(const VertexRange& range) {
+    const auto* const unit = range.shares ? "%" : "";
+    return fmt::format("[{}{}, {}{}]", range.first, unit, range.last, unit);
+}
+
+std::optional<Window> vertices_of(const Auto<VertexRange>& range) {
+    return range ? range->vertices() : std::nullopt;
+}
+
+std::optional<std::string> pair_fault(const Window& window, const VertexRange& window_stated,
+                                      const Window& pair, const VertexRange& pair_stated,
+                                      bool share) {
+    const int shared = share ? 1 : 0;
+    if (pair.first > window.last - shared) return std::nullopt;
+    return fmt::format("pair_window {} {} window {}; it must begin {}", text_of(pair_stated),
+                       pair.last < window.first + shared ? "lies below" : "overlaps",
+                       text_of(window_stated),
+                       share ? fmt::format("at vertex {} or above", window.last)
+                             : fmt::format("above vertex {}", window.last));
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "carve/base/values.h"
+#include "carve/seam/window.h"
+
+#include <optional>
+#include <string>
+
+namespace fluidcarve {
+
+/// A window as a pipeline states it: `[2, 14]`, first and last vertex along the carved axis, or
+/// shares of the way from the first vertex to the last, `[0%, 50%]`, so that it holds for any
+/// spacing.
+struct VertexRange {
+    double first = 0, last = 0;  ///< whole vertices, or percent
+    bool shares = false;
+
+    /// The window in vertices; shares are rounded. @param size  vertices along the axis
+    Window of(int size) const;
+    /// The same if no share is stated, so that it does not depend on the lattice.
+    std::optional<Window> vertices() const;
+};
+
+/// The window of a range that states no share; nothing for one that does, or is not stated.
+std::optional<Window> vertices_of(const Auto<VertexRange>& range);
+
+/// What is wrong with the places of a window and of its pair, for a message.
+/// @param share  whether they may share a vertex
+std::optional<std::string> pair_fault(const Window& window, const VertexRange& window_stated,
+                                      const Window& pair, const VertexRange& pair_stated,
+                                      bool share);
+
+/// The range as a pipeline states it.
+std::string text_of(const VertexRange& range);
+
+}  // namespace fluidcarve

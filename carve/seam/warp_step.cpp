@@ -1,0 +1,57 @@
+// A carve step that is made from a warp. It stands apart from the other steps, since it builds on
+// smoothed displacements, which build on steps.
+#include "carve/seam/carve_step.h"
+#include "carve/seam/smooth_displacement.h"
+
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+
+namespace fluidcarve {
+
+void CarveStep::find_displacements(const Warp& warp, std::size_t t) {
+    column_ends_.reserve(static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_));
+    common_ = {static_cast<double>(origin_), static_cast<double>(last_before())};
+    for (int k = 0; k < slices_; ++k)
+        for (int lateral = 0; lateral < laterals_; ++lateral) {
+            const auto [first, last] = warp.ends(t, lateral, k);
+            column_ends_.push_back({origin_ + first, last_before() + last});
+            common_ = {std::max(common_.begin, origin_ + first),
+                       std::min(common_.end, last_before() + last)};
+        }
+    soft_ = std::make_shared<const SmoothDisplacement>(SmoothDisplacement::of(*this, warp, t));
+
+    struct Found {
+        int first, last;
+        float least = 0, most = 0;
+    };
+    const auto found = tbb::parallel_reduce(
+        tbb::blocked_range<int>(0, slices_), Found{high() + 1, low() - 1},
+        [&](const tbb::blocked_range<int>& slices, Found out) {
+            for (int k = slices.begin(); k < slices.end(); ++k)
+                for (int lateral = first_lateral(); lateral <= last_lateral(); ++lateral) {
+                    const auto column = soft_->column(lateral, first_slice_ + k);
+                    for (std::size_t n = 0; n < column.size(); ++n) {
+                        if (column[n] == 0) continue;
+                        const int entry = start_ + static_cast<int>(n);
+                        out = {std::min(out.first, entry), std::max(out.last, entry),
+                               std::min(out.least, column[n]), std::max(out.most, column[n])};
+                    }
+                }
+            return out;
+        },
+        [](const Found& a, const Found& b) {
+            return Found{std::min(a.first, b.first), std::max(a.last, b.last),
+                         std::min(a.least, b.least), std::max(a.most, b.most)};
+        });
+    // What is freed counts as moved.
+    first_moved_ = common_.begin > origin_ ? low() : found.first;
+    last_moved_ = common_.end < last_before() ? high() : found.last;
+    most_down_ = static_cast<int>(std::ceil(-found.least));
+    most_up_ = static_cast<int>(std::ceil(found.most));
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,102 @@
+#pragma once
+
+#include "carve/base/frame_store.h"
+#include "carve/solver/costs/code.h"
+#include "carve/solver/costs/lanes.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace fluidcarve {
+
+/// The part of a column in which a field is not 0. It begins and ends with an entry where the field
+/// is 0, unless the column begins or ends there. So all edges of the field lie in it.
+struct FieldRun {
+    std::uint16_t* codes = nullptr;     ///< field codes of its entries
+    std::uint16_t* energies = nullptr;  ///< energy codes of its entries before edges are counted;
+                                        ///< null: they are not counted
+    int first = 0, end = 0;             ///< its entries; end is behind the last
+
+    bool has(int entry) const { return entry >= first && entry < end; }
+    std::uint16_t& energy(int entry) const { return energies[entry - first]; }
+    /// The field at an entry of the column.
+    float value(int entry) const {
+        return decode_field(
+            static_cast<std::uint16_t>(codes[entry - first] & -static_cast<int>(has(entry))));
+    }
+    /// The same of four entries, up to 8 before or behind the column: there it is 0.
+    Lanes values(int entry) const {
+        return within(field_lanes(codes + (entry - first)), lanes_within(first, end - 1, entry));
+    }
+    /// The same of many entries, likewise.
+    /// @param entry  the first of them
+    void read(int entry, std::span<float> out) const;
+    /// Deletes an entry of the column; those behind it move up.
+    /// @param width   entries that are left
+    /// @param column  energy codes of all these
+    void remove(int entry, int width, const std::uint16_t* column);
+};
+
+/// The field of a sequence in columns. It holds what is not 0, so its size is that of the content.
+class FieldColumns {
+public:
+    /// A field of 0.
+    /// @param columns        of a frame
+    /// @param width          entries of a column
+    /// @param memory_budget  bytes of codes that may be held in memory; frames beyond it are held
+    ///   in files in `folder`
+    FieldColumns(std::size_t frames, std::size_t columns, int width, std::uint64_t memory_budget,
+                 const std::string& folder);
+
+    /// Sets frames, from `t` on.
+    /// @param codes  their field codes, `[t][column][entry]`
+    /// @throws Failure as FrameStore
+    void set(std::size_t t, std::span<const std::uint16_t> codes);
+    /// Makes room for the energies of all runs.
+    /// @param memory_budget, folder  as for the field
+    /// @throws Failure as FrameStore
+    void add_energies(std::uint64_t memory_budget, const std::string& folder);
+    bool has_energies() const { return energies_.has_value(); }
+
+    /// Runs of all frames, `[t][column]`.
+    std::span<FieldRun> runs() { return runs_; }
+    std::span<const FieldRun> runs() const { return runs_; }
+    std::uint64_t bytes() const;  ///< of codes and runs
+
+private:
+    /// Codes of frames. Beyond a budget of memory they are in files.
+    class Codes {
+    public:
+        Codes(std::size_t frames, std::uint64_t budget, std::string folder);
+        /// Makes room for so many codes of a frame, in place of those it had.
+        std::uint16_t* make(std::size_t t, std::size_t count);
+        std::uint64_t bytes() const;
+
+    private:
+        std::uint64_t budget_;
+        std::string folder_;
+        std::vector<FrameStore> stores_;
+    };
+
+    /// Makes room for the codes of a frame's runs, between margins.
+    void make(Codes& codes, std::size_t t, std::uint16_t* FieldRun::*of);
+
+    /// Codes before the first run and behind the last. Runs are read without branches: what lies
+    /// beside them is read, too, and then ignored.
+    std::size_t margin() const { return width_ + most_beside; }
+
+    static constexpr std::size_t most_beside =
+        2 * lane_count;  ///< entries before and behind a column that may be read
+    std::size_t columns_, width_;
+    Codes fields_;
+    std::optional<Codes> energies_;
+    std::vector<std::uint16_t> nothing_;  ///< the codes of runs that are not set
+    std::vector<FieldRun> runs_;
+};
+
+}  // namespace fluidcarve

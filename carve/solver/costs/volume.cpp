@@ -1,0 +1,271 @@
+#include "carve/solver/costs/volume.h"
+
+#include "carve/solver/costs/decode.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace fluidcarve {
+
+using ColumnRange = tbb::blocked_range<std::size_t>;
+
+EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames,
+                           std::uint64_t memory_budget, const std::string& folder, bool closed,
+                           bool around)
+    : width_(shape[dimension(axis)]),
+      laterals_(shape[lateral_dimension(axis)]),
+      slices_(shape[slice_dimension(axis)]),
+      frames_(frames),
+      stride_(static_cast<std::size_t>(width_)),
+      closed_(closed),
+      around_(around),
+      codes_(frames, stride_ * columns_per_frame(), memory_budget, folder) {}
+
+EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames,
+                           std::vector<float> costs, bool closed, bool around)
+    : width_(shape[dimension(axis)]),
+      laterals_(shape[lateral_dimension(axis)]),
+      slices_(shape[slice_dimension(axis)]),
+      frames_(frames),
+      stride_(static_cast<std::size_t>(width_)),
+      closed_(closed),
+      around_(around),
+      codes_(frames, 0, 0, ""),
+      sums_(std::move(costs)),
+      protects_(std::ranges::any_of(sums_, [](float cost) { return std::isinf(cost); })) {}
+
+void EnergyVolume::add_field(float weight, std::uint64_t memory_budget, const std::string& folder) {
+    weight_ = weight;
+    field_.emplace(frames_, columns_per_frame(), width_, memory_budget, folder);
+}
+
+std::vector<std::uint16_t> EnergyVolume::field_codes(std::size_t t) const {
+    const auto columns = columns_per_frame();
+    std::vector<std::uint16_t> out(columns * stride_);
+    tbb::parallel_for(ColumnRange(0, columns, 4096), [&](const ColumnRange& range) {
+        for (auto c = range.begin(); c < range.end(); ++c) {
+            const auto& run = field(t * columns + c);
+            std::copy_n(run.codes, run.end - run.first,
+                        out.begin() + static_cast<std::ptrdiff_t>(c * stride_) + run.first);
+        }
+    });
+    return out;
+}
+
+std::uint64_t EnergyVolume::bytes() const {
+    return codes_.count() * codes_.entries(0).size_bytes() + sums_.size() * sizeof(float) +
+           (field_ ? field_->bytes() : 0);
+}
+
+void EnergyVolume::set_edges(std::size_t column, int first, int last) {
+    // Entries at once.
+    constexpr int most = 32;
+    std::array<float, most> energies;
+    std::array<float, most + 2> field;
+    const auto& run = this->field(column);
+    auto* const out = codes_of(column);
+    const float highest = decode_energy(highest_energy_code);
+    first = std::max(first, run.first);
+    last = std::min(last, run.end - 1);
+    for (; first <= last; first += most) {
+        const int count = std::min(most, last - first + 1);
+        const auto given = static_cast<std::size_t>(count);
+        decode_energies({&run.energy(first), given}, energies);
+        // The first and the last entry of a column have themselves in place of the neighbour that
+        // is missing. So have those of a run: both are 0.
+        const int before = std::max(first - 1, run.first),
+                  behind = std::min(first + count, run.end - 1);
+        const bool at_begin = before == first;
+        const auto there = std::span(field).subspan(at_begin ? 1 : 0);
+        decode_fields({run.codes + (before - run.first), run.codes + (behind - run.first) + 1},
+                      there);
+        if (at_begin) field[0] = field[1];
+        if (behind == first + count - 1) field[given + 1] = field[given];
+        for (int n = 0; n < count; ++n) {
+            const auto at = static_cast<std::size_t>(n);
+            const auto code = run.energy(first + n);
+            out[first + n] =
+                code >= protected_code
+                    ? code
+                    : encode_energy(std::min(
+                          energies[at] + weight_ * std::abs(field[at + 2] - field[at]), highest));
+        }
+    }
+}
+
+void EnergyVolume::count_edges(std::uint64_t memory_budget, const std::string& folder) {
+    field_->add_energies(memory_budget, folder);
+    tbb::parallel_for(
+        ColumnRange(0, columns_per_frame() * frames(), 4096), [&](const ColumnRange& range) {
+            for (auto c = range.begin(); c < range.end(); ++c) {
+                const auto& run = field(c);
+                std::copy_n(codes_of(c) + run.first, run.end - run.first, run.energies);
+                set_edges(c, 0, width_ - 1);
+            }
+        });
+}
+
+void EnergyVolume::find_marks() {
+    struct Found {
+        std::size_t guarded = 0, attracted = 0;
+        std::uint16_t highest = 0;
+    };
+    const auto found = tbb::parallel_reduce(
+        ColumnRange(0, columns_per_frame() * frames(), 4096), Found{},
+        [&](const ColumnRange& range, Found out) {
+            for (auto c = range.begin(); c < range.end(); ++c) {
+                const auto* const codes =
+                    this->codes(c / columns_per_frame()).data() + c % columns_per_frame() * stride_;
+                for (int entry = 0; entry < width_; ++entry) {
+                    const auto code = codes[entry];
+                    if (code < protected_code) out.highest = std::max(out.highest, code);
+                    else ++(code == protected_code ? out.guarded : out.attracted);
+                }
+            }
+            return out;
+        },
+        [](const Found& a, const Found& b) {
+            return Found{a.guarded + b.guarded, a.attracted + b.attracted,
+                         std::max(a.highest, b.highest)};
+        });
+    protects_ = found.guarded > 0;
+    attracted_ = found.attracted;
+    attraction_ = attraction_of_highest * (found.highest > 0 ? decode_energy(found.highest) : 1.0f);
+}
+
+EnergyVolume EnergyVolume::sum() const {
+    std::vector<float> sums(stride_ * columns_per_frame()), energies(attracts() ? sums.size() : 0);
+    tbb::parallel_for(ColumnRange(0, sums.size(), 4096), [&](const ColumnRange& range) {
+        std::vector<double> part(range.size(), 0.0);
+        std::vector<std::size_t> attracted(energies.empty() ? 0 : range.size(), 0);
+        for (std::size_t t = 0; t < frames(); ++t)
+            for (std::size_t n = 0; n < part.size(); ++n) {
+                const auto code = codes(t)[range.begin() + n];
+                if (code == attracted_code) ++attracted[n];
+                else part[n] += Costs{}(code);
+            }
+        for (std::size_t n = 0; n < part.size(); ++n) {
+            const auto at = range.begin() + n;
+            if (!energies.empty()) {
+                energies[at] = static_cast<float>(part[n]);
+                part[n] -= static_cast<double>(attracted[n]) * static_cast<double>(attraction_);
+            }
+            sums[at] = static_cast<float>(part[n]);
+        }
+    });
+    EnergyVolume out({static_cast<int>(stride_), laterals_, slices_}, Axis::u, 1, std::move(sums),
+                     closed_, around_);
+    out.width_ = width_;
+    out.energies_ = std::move(energies);
+    out.frames_summed_ = frames();
+    out.protects_ = protects_;
+    out.attracted_ = attracted_;
+    out.attraction_ = attraction_;
+    out.spread_ = spread_;
+    out.rigidity_ = {rigidity_[0] * static_cast<float>(frames()), 0};
+    return out;
+}
+
+void EnergyVolume::hand_on(std::size_t column, int entry, Window window) {
+    const auto first = column * stride_;
+    const int low = std::max(entry - spread_, window.first),
+              high = std::min(entry + spread_, window.last);
+    const float highest = decode_energy(highest_energy_code);
+    const auto share = [&](const auto& unmarked, const auto& energy_at, const auto& set) {
+        if (!unmarked(entry)) return;
+        int receivers = -1;
+        for (int e = low; e <= high; ++e) receivers += unmarked(e) ? 1 : 0;
+        if (receivers <= 0) return;
+        const float part = energy_at(entry) / static_cast<float>(receivers);
+        for (int e = low; e <= high; ++e)
+            if (e != entry && unmarked(e)) set(e, energy_at(e) + part);
+    };
+    if (summed()) {
+        auto *const costs = sums_.data() + first, *const energies = energies_.empty()
+                                                                        ? nullptr
+                                                                        : energies_.data() + first;
+        share(
+            [&](int e) { return !std::isinf(costs[e]) && (!energies || energies[e] == costs[e]); },
+            [&](int e) { return costs[e]; },
+            [&](int e, float energy) {
+                costs[e] = energy;
+                if (energies) energies[e] = energy;
+            });
+    } else {
+        // Edges are not handed on: in the field's run, energies without them stand apart.
+        const auto* const run = edges_counted() ? &field(column) : nullptr;
+        auto* const codes = codes_of(column);
+        const auto share_codes = [&](const auto& code) {
+            share([&](int e) { return code(e) < protected_code; },
+                  [&](int e) { return decode_energy(code(e)); },
+                  [&](int e, float energy) { code(e) = encode_energy(std::min(energy, highest)); });
+        };
+        if (!run || run->end <= low || run->first > high)
+            share_codes([&](int e) -> std::uint16_t& { return codes[e]; });
+        else if (run->has(low) && run->has(high))
+            share_codes([&](int e) -> std::uint16_t& { return run->energy(e); });
+        else
+            share_codes(
+                [&](int e) -> std::uint16_t& { return run->has(e) ? run->energy(e) : codes[e]; });
+    }
+}
+
+void EnergyVolume::remove(std::span<const std::uint16_t> at, Window window) {
+    if (attracts()) attracted_ -= met(at).attracted;
+    const auto columns = columns_per_frame();
+    --width_;
+    const auto close = [&](auto* column, std::size_t entry) {
+        std::memmove(column + entry, column + entry + 1,
+                     (static_cast<std::size_t>(width_) - entry) * sizeof(*column));
+    };
+    tbb::parallel_for(ColumnRange(0, columns * frames(), 4096), [&](const ColumnRange& range) {
+        for (auto c = range.begin(); c < range.end(); ++c) {
+            if (spread_ > 0) hand_on(c, at[c], window);
+            if (summed()) close(sums_.data() + c * stride_, at[c]);
+            else close(codes_of(c), at[c]);
+            if (!energies_.empty()) close(energies_.data() + c * stride_, at[c]);
+            if (field_) field_->runs()[c].remove(at[c], width_, codes_of(c));
+            // Update the entries that got energy or a new neighbour.
+            if (edges_counted())
+                set_edges(c, std::max(at[c] - 1 - spread_, 0),
+                          std::min(at[c] + spread_, width_ - 1));
+        }
+    });
+}
+
+std::size_t EnergyVolume::attracted_at(std::size_t place) const {
+    if (energies_.empty() || !std::isfinite(sums_[place])) return 0;
+    return static_cast<std::size_t>(std::lround((energies_[place] - sums_[place]) / attraction_));
+}
+
+EnergyVolume::Met EnergyVolume::met(std::span<const std::uint16_t> at) const {
+    const auto columns = columns_per_frame();
+    return tbb::parallel_reduce(
+        ColumnRange(0, columns * frames(), 4096), Met{},
+        [&](const ColumnRange& range, Met out) {
+            for (auto c = range.begin(); c < range.end(); ++c) {
+                if (summed()) {
+                    const auto place = c * stride_ + at[c];
+                    out.zeros += sums_[place] == 0;
+                    out.attracted += attracted_at(place);
+                    out.blocked += std::isinf(sums_[place]);
+                } else {
+                    const auto code = codes(c / columns)[c % columns * stride_ + at[c]];
+                    out.zeros += code == 0;
+                    out.attracted += code == attracted_code;
+                    out.blocked += code == protected_code;
+                }
+            }
+            return out;
+        },
+        [](const Met& a, const Met& b) {
+            return Met{a.zeros + b.zeros, a.attracted + b.attracted, a.blocked + b.blocked};
+        });
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,303 @@
+#pragma once
+
+#include "carve/solver/cut/residual.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Pushes flow through a part of the columns.
+class CutRegion {
+public:
+    using Label = Residual::Label;
+    using Spot = Residual::Spot;
+
+    /// @param walled  true: as if there were no other columns; false: columns outside get flow too,
+    ///   but push it themselves
+    CutRegion(Residual& graph, const Residual::Box& box, bool walled) : graph_(graph), box_(box) {
+        const auto& all = graph.layout;
+        const std::array<std::size_t, 3> size{all.laterals(), all.slices(), all.frames()};
+        const std::array<std::size_t, 3> stride{1, all.laterals(), all.per_frame()};
+        for (std::size_t d = 0; d < 3; ++d) {
+            const auto step = static_cast<std::ptrdiff_t>(stride[d]),
+                       around = step * (static_cast<std::ptrdiff_t>(size[d]) - 1);
+            step_[2 * d] = -step;
+            step_[2 * d + 1] = step;
+            step_[2 * d + wrapped] = around;
+            step_[2 * d + 1 + wrapped] = -around;
+        }
+        for_each_column([&](std::size_t c, const std::array<std::size_t, 3>& at) {
+            size_ += static_cast<std::size_t>(graph_.columns[c].size());
+            unsigned sides = 0;
+            for (unsigned d = 0; d < 3; ++d) {
+                const bool whole = box.low[d] == 0 && box.high[d] == size[d], ring = all.ring(d);
+                for (unsigned ahead = 0; ahead < 2; ++ahead) {
+                    const bool rim = at[d] == (ahead ? size[d] - 1 : 0),
+                               edge = at[d] == (ahead ? box.high[d] - 1 : box.low[d]);
+                    if ((rim && !ring) || (edge && walled && !(ring && whole))) continue;
+                    sides |= 1u << (2 * d + ahead);
+                    if (rim) sides |= 1u << (closing + 2 * d + ahead);
+                    if (edge && !whole) sides |= 1u << (leaving + ahead);
+                }
+                if (!whole) along_ = d;
+            }
+            graph_.sides[c] = static_cast<std::uint16_t>(sides);
+        });
+    }
+
+    std::size_t size() const { return size_; }
+    /// Whether it has nothing left to push, and gave nothing to other regions.
+    bool idle() const { return active_.empty() && sent_[0].empty() && sent_[1].empty(); }
+    /// Flow that reached the sink.
+    std::int64_t sunk() const { return sunk_; }
+    /// Whether more flow gathered than an arc holds.
+    bool overflowed() const { return overflowed_; }
+    /// Excess that could still reach the sink when the last search ended.
+    std::int64_t left() const { return left_; }
+    /// Nodes of the regions before and behind that were reached or given flow.
+    std::array<std::vector<Spot>, 2>& sent() { return sent_; }
+
+    /// Resets all distances but those of nodes next to the sink.
+    void begin_search() {
+        for (auto* const list : {&front_, &active_, &sent_[0], &sent_[1]}) list->clear();
+        left_ = 0;
+        for_each_column([&](std::size_t c, const auto&) {
+            const auto& column = graph_.columns[c];
+            if (column.size() == 0) return;
+            const auto end = column.begin + static_cast<std::uint32_t>(column.size());
+            for (auto n = column.begin; n < end; ++n) graph_.tags[n].set_label(far);
+            if (graph_.tags[end - 1].up())
+                reach({static_cast<std::uint32_t>(c), column.last}, end - 1, 1, front_);
+        });
+    }
+    // Flattened, as discharge() is: g++ would call the lambdas in it, which is slower.
+    /// Extends the search by one arc.
+    /// @return whether it reached any node
+    [[gnu::flatten]] bool go_on(Label distance) {
+        next_.clear();
+        for (const auto& spot : front_) {
+            const auto c = spot.column;
+            const int entry = spot.entry;
+            const auto& column = graph_.columns[c];
+            const auto own = Residual::node(column, entry);
+            const auto tag = graph_.tags[own];
+            if (entry - 1 > column.first && graph_.tags[own - 1].up())
+                reach({c, lower(entry)}, own - 1, distance, next_);
+            if (entry < column.last) reach({c, higher(entry)}, own + 1, distance, next_);
+            for_each_side(c, [&](std::size_t other, unsigned d, int out) {
+                const auto to = static_cast<std::uint32_t>(other);
+                const auto& beside = graph_.columns[other];
+                const auto go = [&](std::uint16_t at, std::uint32_t n) {
+                    if (out < 0) reach({to, at}, n, distance, next_);
+                    else sent_[static_cast<std::size_t>(out)].push_back({to, at});
+                };
+                if (const auto above = Residual::node(beside, entry + 1); above != none)
+                    go(higher(entry), above);
+                if (tag.lowered(d)) go(lower(entry), Residual::node(beside, entry - 1));
+                if (graph_.level.empty()) return;
+                if (const auto level = Residual::node(beside, entry);
+                    level != none && graph_.level[level][Columns::back(d)] > 0)
+                    go(spot.entry, level);
+            });
+        }
+        std::swap(front_, next_);
+        return !front_.empty();
+    }
+    /// Adds nodes that other regions reached.
+    void take_reached(std::vector<Spot>& spots, Label distance) {
+        for (const auto& spot : spots)
+            reach(spot, Residual::node(graph_.columns[spot.column], spot.entry), distance, front_);
+        spots.clear();
+    }
+
+    /// Pushes until nothing is left to push or `most` nodes were visited.
+    /// @return number of visited nodes
+    std::int64_t push(std::int64_t most) {
+        std::int64_t steps = 0;
+        while (!active_.empty() && steps < most) {
+            next_.clear();
+            for (const auto& spot : active_) steps += discharge(spot);
+            std::swap(active_, next_);
+        }
+        return steps;
+    }
+    void take_given(std::vector<Spot>& spots) {
+        active_.insert(active_.end(), spots.begin(), spots.end());
+        spots.clear();
+    }
+
+private:
+    static constexpr auto far = Residual::far, none = Residual::none;
+    static constexpr auto endless = Residual::endless;
+    // closing, leaving: bits of Residual::sides behind those of the directions. wrapped: where
+    // step_ holds the steps across the closing.
+    static constexpr unsigned closing = 6, leaving = 10, wrapped = 6;
+
+    static std::uint16_t higher(int entry) { return static_cast<std::uint16_t>(entry + 1); }
+    static std::uint16_t lower(int entry) { return static_cast<std::uint16_t>(entry - 1); }
+
+    template <class Call>
+    void for_each_column(const Call& call) {
+        for (auto t = box_.low[2]; t < box_.high[2]; ++t)
+            for (auto k = box_.low[1]; k < box_.high[1]; ++k) {
+                const auto first = graph_.layout.at(0, k, t);
+                for (auto lateral = box_.low[0]; lateral < box_.high[0]; ++lateral)
+                    call(first + lateral, std::array{lateral, k, t});
+            }
+    }
+    /// @param call  called with the neighbour, the direction to it, and -1 if it is inside, 0 if it
+    ///   belongs to the region before, 1 if to the one behind
+    template <class Call>
+    void for_each_side(std::uint32_t c, const Call& call) {
+        const unsigned sides = graph_.sides[c];
+        for (unsigned rest = sides & 63; rest != 0; rest &= rest - 1) {
+            const auto d = static_cast<unsigned>(std::countr_zero(rest));
+            const bool across = d < 4 && (sides >> (closing + d) & 1),
+                       leaves = d / 2 == along_ && (sides >> (leaving + d % 2) & 1);
+            call(static_cast<std::size_t>(static_cast<std::ptrdiff_t>(c) +
+                                          step_[across ? d + wrapped : d]),
+                 d, leaves ? static_cast<int>(d % 2) : -1);
+        }
+    }
+
+    void reach(const Spot& spot, std::uint32_t n, Label distance, std::vector<Spot>& out) {
+        auto& tag = graph_.tags[n];
+        if (tag.label() != far) return;
+        tag.set_label(distance);
+        out.push_back(spot);
+        if (!tag.excess()) return;
+        left_ += graph_.arcs[n].excess;
+        active_.push_back(spot);
+    }
+
+    /// Pushes a node's excess on to nodes nearer to the sink, and raises the node's distance if
+    /// some is left.
+    /// @return number of visits of the node
+    [[gnu::flatten]] int discharge(const Spot& spot) {
+        const auto c = spot.column;
+        const int entry = spot.entry;
+        const auto& column = graph_.columns[c];
+        const auto own = Residual::node(column, entry);
+        auto& tag = graph_.tags[own];
+        auto& arcs = graph_.arcs[own];
+        std::int64_t excess = arcs.excess;
+        auto label = tag.label();
+        if (excess == 0 || label == far) return 1;
+        const auto give = [&](std::uint32_t n, std::size_t to, std::uint16_t at, int out,
+                              std::int64_t amount) {
+            auto& other = graph_.tags[n];
+            if (!other.excess())
+                (out < 0 ? next_ : sent_[static_cast<std::size_t>(out)])
+                    .push_back({static_cast<std::uint32_t>(to), at});
+            other.set_excess(true);
+            graph_.arcs[n].excess += amount;
+            excess -= amount;
+        };
+        for (int steps = 1;; ++steps) {
+            // The least distance among nodes at the ends of arcs with residual capacity.
+            auto nearest = far;
+            if (arcs.up > 0) {
+                const bool last = entry == column.last;
+                const Label above = last ? 0 : graph_.tags[own + 1].label();
+                if (above + 1 == label) {
+                    const auto amount =
+                        arcs.up == endless ? excess : std::min<std::int64_t>(excess, arcs.up);
+                    if (arcs.up != endless) arcs.up -= static_cast<std::int32_t>(amount);
+                    if (last) {
+                        sunk_ += amount;
+                        excess -= amount;
+                    } else {
+                        give(own + 1, c, higher(entry), -1, amount);
+                    }
+                }
+                if (arcs.up > 0) nearest = above;
+            }
+            if (excess > 0)
+                for_each_side(c, [&](std::size_t other, unsigned d, int out) {
+                    if (excess == 0) return;
+                    const auto& beside = graph_.columns[other];
+                    if (const auto above = Residual::node(beside, entry + 1);
+                        above != none && graph_.tags[above].lowered(Columns::back(d))) {
+                        const auto at = graph_.tags[above].label();
+                        // The tag tells that some capacity is left. How much is read only to push,
+                        // since it is far away in memory.
+                        bool stays = true;
+                        if (at + 1 == label) {
+                            auto& lowered = graph_.arcs[above].lowered[Columns::back(d)];
+                            const auto amount = std::min<std::int64_t>(excess, lowered);
+                            lowered -= static_cast<std::int32_t>(amount);
+                            stays = lowered > 0;
+                            if (!stays) graph_.tags[above].set_lowered(Columns::back(d), false);
+                            give(above, other, higher(entry), out, amount);
+                        }
+                        if (stays) nearest = std::min(nearest, at);
+                    }
+                    if (const auto level =
+                            graph_.level.empty() ? none : Residual::node(beside, entry);
+                        level != none && graph_.level[own][d] > 0) {
+                        const auto at = graph_.tags[level].label();
+                        auto& through = graph_.level[own][d];
+                        if (at + 1 == label && excess > 0) {
+                            const auto amount = std::min<std::int64_t>(excess, through);
+                            through -= static_cast<std::int32_t>(amount);
+                            graph_.level[level][Columns::back(d)] +=
+                                static_cast<std::int32_t>(amount);
+                            give(level, other, spot.entry, out, amount);
+                        }
+                        if (through > 0) nearest = std::min(nearest, at);
+                    }
+                    if (const auto below = Residual::node(beside, entry - 1); below != none) {
+                        const auto at = graph_.tags[below].label();
+                        auto& lowered = arcs.lowered[d];
+                        if (at + 1 == label && excess > 0) {
+                            const auto amount = std::min<std::int64_t>(excess, endless - lowered);
+                            overflowed_ = overflowed_ || amount < excess;
+                            lowered += static_cast<std::int32_t>(amount);
+                            tag.set_lowered(d, true);
+                            give(below, other, lower(entry), out, amount);
+                        }
+                        if (lowered < endless) nearest = std::min(nearest, at);
+                    }
+                });
+            if (excess > 0 && entry - 1 > column.first) {
+                const auto at = graph_.tags[own - 1].label();
+                if (at + 1 == label) {
+                    auto& up = graph_.arcs[own - 1].up;
+                    const auto amount =
+                        up == endless ? excess : std::min<std::int64_t>(excess, endless - 1 - up);
+                    overflowed_ = overflowed_ || amount < excess;
+                    if (up != endless) up += static_cast<std::int32_t>(amount);
+                    graph_.tags[own - 1].set_up(true);
+                    give(own - 1, c, lower(entry), -1, amount);
+                }
+                nearest = std::min(nearest, at);
+            }
+            if (excess > 0) label = nearest == far ? far : nearest + 1;
+            if (excess > 0 && label != far) continue;
+            tag.set_label(label);
+            tag.set_up(arcs.up > 0);
+            tag.set_excess(excess > 0);
+            arcs.excess = excess;
+            return steps;
+        }
+    }
+
+    Residual& graph_;
+    const Residual::Box box_;
+    std::array<std::ptrdiff_t, 12> step_;
+    unsigned along_ = 0;  ///< the dimension in which the columns before and behind the box belong
+                          ///< to other regions
+    std::size_t size_ = 0;
+    std::int64_t sunk_ = 0, left_ = 0;
+    bool overflowed_ = false;
+    std::vector<Spot> front_, next_, active_;
+    std::array<std::vector<Spot>, 2> sent_;
+};
+
+}  // namespace fluidcarve

@@ -1,0 +1,149 @@
+#include "carve/solver/pyramid.h"
+
+#include "carve/solver/cut/cut_seam.h"
+#include "carve/solver/greedy.h"
+#include "carve/solver/search/coarse.h"
+#include "carve/solver/search/find_seams.h"
+#include "carve/solver/search/line_sweeps.h"
+#include "carve/solver/search/protection.h"
+
+#include <tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace fluidcarve {
+
+namespace {
+
+/// How much work is spent on a seam.
+struct Effort {
+    std::size_t exact_entries;  ///< energies of at most this many entries are cut as a whole
+    double tolerance;           ///< of such cuts of coarse energies, as a share of the least cost
+    int passes;  ///< of messages to and fro at the finest level; each coarser one gets twice as
+                 ///< many, up to most_passes
+    int most_passes;  ///< more at coarse levels lead away from what the finest one asks for
+    int sweeps;  ///< along all lines of columns, at each level; in rings each is opened elsewhere
+};
+
+constexpr Effort normal_effort{std::size_t{1} << 18, 0, 28, 32, 2},
+    best_effort{std::size_t{1} << 18, 0, 32, 64, 4};
+
+/// With a field, each cut and sweep takes several times as long, and seams of less energy look no
+/// better; nor do slabs.
+constexpr Effort effort_for_looks{std::size_t{1} << 12, 0.02, 4, 64, 2};
+
+constexpr int passes_of_draft = 2;
+
+/// Energies of more columns with protected vertices are cut by the best quality only.
+constexpr std::size_t most_columns_cut = std::size_t{1} << 14;
+
+/// Entries of a strip on either side of the seam that it was made around.
+constexpr int radius = ColumnMessages::most_entries / 2;
+
+const Effort& effort_for(bool looks, Quality quality) {
+    if (quality == Quality::best) return best_effort;
+    return looks ? effort_for_looks : normal_effort;
+}
+
+bool small(const EnergyVolume& energy, Window window, const Effort& effort) {
+    const auto columns = Columns(energy).count();
+    return columns == 1 ||
+           columns * static_cast<std::size_t>(window.size()) <= effort.exact_entries;
+}
+
+}  // namespace
+
+int Pyramid::passes(bool looks, int level) const {
+    const auto& effort = effort_for(looks, quality_);
+    const int finest = quality_ == Quality::draft ? passes_of_draft : effort.passes;
+    return std::min(finest << std::min(level, 8), effort.most_passes);
+}
+
+void Pyramid::refine(StripMessages& messages, int level, bool looks, bool attracts, int number,
+                     std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const {
+    const auto& strip = messages.strip();
+    const auto cut = [&](double tolerance) {
+        seam = cut_seam(strip, seam, 1, tolerance, number, tick).at;
+    };
+    // Messages weigh what is attracted against all the rest; a cut in a narrow band takes it.
+    // Around protected vertices a seam that messages lead to is moved aside, where it may be dear.
+    const bool guarded = strip.protects() && strip.columns().count() <= most_columns_cut;
+    const bool cuts =
+        quality_ == Quality::best || attracts || (guarded && quality_ != Quality::draft);
+    if (!attracts) messages.improve(seam, passes(looks, level), level > 0, tick);
+    if (cuts) cut(1e-3);
+    LineSweeps sweep(strip);
+    for (int turn = 0; turn < effort_for(looks, quality_).sweeps; ++turn) {
+        tick();
+        sweep(seam, turn);
+    }
+    if (cuts) cut(1e-4);
+}
+
+Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window, int number,
+                                       int level, bool looks, bool attracts,
+                                       const std::function<void()>& tick) const {
+    const Columns columns(energy);
+    const auto& effort = effort_for(looks, quality_);
+    if (small(energy, window, effort))
+        return {
+            cut_seam(energy, Band::whole(columns.count(), window), effort.tolerance, number, tick)
+                .at,
+            std::nullopt};
+    Level out;
+    {
+        const auto coarse = restrict_energy(energy, window, energy.barrier());
+        tick();
+        const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, level + 1, looks,
+                                          attracts, tick);
+        out.seam = past_protected(energy, window,
+                                  prolong_seam(Columns(coarse), found.seam, columns, window));
+        Strip strip(energy, Band::around(out.seam, radius, window), memory_);
+        if (found.messages)
+            out.messages.emplace(std::move(strip), window, *found.messages, memory_);
+        else out.messages.emplace(std::move(strip), memory_);
+    }
+    refine(*out.messages, level, looks, attracts, number, out.seam, tick);
+    return out;
+}
+
+Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int number,
+                                const Tick& tick, SeamBounds* bounds) const {
+    const auto alive = [&] { tick(0); };
+    if (in_open_line(energy)) return lines_(energy, window, number, tick);
+    const bool looks = energy.has_field() || energy.slabs();
+    if (small(energy, window, effort_for(looks, quality_)))
+        return exact_seam(energy, window, number, alive);
+    std::vector<std::uint16_t> best;
+    bool bounded = false;
+    tbb::parallel_invoke(
+        [&] {
+            best = coarse_to_fine(energy, window, number, 0, looks, energy.attracts(), alive).seam;
+        },
+        [&] {
+            bounded = bounds && bounds->find(energy, window, number, [&](double) { alive(); });
+        });
+    auto least = cost_of(energy, best);
+    const auto greedy = greedy_seam_within(
+        energy, window, number, starts_, least, [&](double) { alive(); },
+        bounded ? bounds : nullptr);
+    if (const auto cost = !greedy             ? least
+                          : energy.attracts() ? cost_of(energy, greedy->at)
+                                              : greedy->energy;
+        cost < least) {
+        best.assign(greedy->at.begin(), greedy->at.end());
+        StripMessages messages(Strip(energy, Band::around(best, radius, window), memory_), memory_);
+        refine(messages, 0, looks, energy.attracts(), number, best, alive);
+        least = cost_of(energy, best);
+        if (cost < least) {
+            best.assign(greedy->at.begin(), greedy->at.end());
+            least = cost;
+        }
+    }
+    const auto sum = energy.attracts() ? energy_of(energy, best) : least;
+    return {std::move(best), sum};
+}
+
+}  // namespace fluidcarve

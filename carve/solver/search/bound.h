@@ -1,0 +1,70 @@
+#pragma once
+
+#include "carve/solver/search/seam_bounds.h"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace fluidcarve {
+
+/// Lower bound on the energy of any seam in the window (METHOD 8 "A certificate"). Each column's
+/// energies are divided among the lines of columns that cross there. Each line's part is solved
+/// exactly, by dynamic programming, and the sum of the minima is a bound. Messages along the lines
+/// say how to divide. They begin with those of the energy at half the resolution
+/// (restrict_energy()), and are passed on in one block of frames after the other. Rings of columns
+/// are treated as open lines.
+/// Messages take up to 400 MB, or what two frames need: 6 bytes per entry of the window; and at
+/// half the resolution 6 bytes per entry, of all frames. The energy at half the resolution comes on
+/// top.
+/// If vertices are marked, this is a bound on the cost (Costs); energy_bound() turns it into a
+/// bound on the energy.
+/// @param window         holds a seam
+/// @param passes         passes to and fro after the first way through each block, 0 or more; they
+///   raise the bound
+/// @param memory_budget  bytes that messages may hold in memory; beyond, they are in files in
+///   `folder`
+/// @throws Failure as FrameStore
+double lower_bound(const EnergyVolume& energy, Window window, int passes, const Tick& tick,
+                   std::uint64_t memory_budget = ~std::uint64_t{0}, const std::string& folder = "");
+
+/// lower_bound() for seams that are found one after the other, each in the energy that those before
+/// it leave. Messages are passed on from seam to seam, to and fro in turn, and follow the entries
+/// that seams delete; any messages give a bound (METHOD 8 "A certificate"). They take 6 bytes per
+/// entry of the window.
+class ConsecutiveBounds {
+public:
+    /// The first of the seams that share messages with a seam.
+    static int first_with(int number) { return number / seams_per_search * seams_per_search; }
+
+    /// @param memory_budget, folder  as for lower_bound()
+    explicit ConsecutiveBounds(std::uint64_t memory_budget = ~std::uint64_t{0},
+                               std::string folder = "");
+    ConsecutiveBounds(const ConsecutiveBounds&) = delete;
+    ConsecutiveBounds& operator=(const ConsecutiveBounds&) = delete;
+    ~ConsecutiveBounds();
+
+    /// As lower_bound().
+    /// @param window  loses its last entry with each seam
+    /// @param number  of seams before
+    double operator()(const EnergyVolume& energy, Window window, int number, int passes,
+                      const Tick& tick);
+    /// Lower bound on the cost of any seam that begins so, in the energy of the last bound. Any
+    /// thread may call this.
+    double with(const SeamStart& start) const;
+    /// Follows a seam that is deleted from the energy, if there are messages. From then on all must
+    /// be told.
+    /// @param at  its entry in each column, `[t][column]`
+    void follow(std::span<const std::uint16_t> at, int number);
+
+private:
+    static constexpr int seams_per_search = 16;
+
+    struct Kept;
+    std::unique_ptr<Kept> kept_;  ///< null: nothing yet
+    std::uint64_t memory_budget_;
+    std::string folder_;
+};
+
+}  // namespace fluidcarve

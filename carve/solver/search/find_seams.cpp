@@ -1,0 +1,405 @@
+#include "carve/solver/search/find_seams.h"
+
+#include "carve/solver/costs/half.h"
+#include "carve/solver/search/coarse.h"
+#include "carve/solver/search/protection.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+namespace fluidcarve {
+
+namespace {
+
+/// A bit for each original entry of each column: whether it is deleted.
+class Deleted {
+public:
+    Deleted(std::size_t columns, int width, std::uint64_t memory_budget, const std::string& folder)
+        : words_((static_cast<std::size_t>(width) + 15) / 16),
+          store_(1, columns * words_, memory_budget, folder) {}
+
+    /// Deletes a seam.
+    /// @param at  its entries in the space that earlier seams left; become original entries
+    void to_original(std::span<std::uint16_t> at) {
+        each(at, [](std::span<std::uint16_t> words, std::uint16_t& entry) {
+            int left = entry;  // remaining entries before it
+            std::size_t w = 0;
+            const auto there_are = [&] { return 16 - std::popcount(words[w]); };
+            for (; left >= there_are(); ++w) left -= there_are();
+            auto there = static_cast<std::uint16_t>(~words[w]);
+            for (; left > 0; --left) there = static_cast<std::uint16_t>(there & (there - 1));
+            const int bit = std::countr_zero(there);
+            mark(words[w], bit);
+            entry = static_cast<std::uint16_t>(w * 16 + static_cast<std::size_t>(bit));
+        });
+    }
+    /// The same in the other direction: takes original entries, which become entries in that space.
+    void from_original(std::span<std::uint16_t> at) {
+        each(at, [](std::span<std::uint16_t> words, std::uint16_t& entry) {
+            const std::size_t w = entry / 16u;
+            const int bit = entry % 16;
+            int before = std::popcount(static_cast<std::uint16_t>(words[w] & ((1u << bit) - 1)));
+            for (const auto word : words.first(w)) before += std::popcount(word);
+            mark(words[w], bit);
+            entry = static_cast<std::uint16_t>(entry - before);
+        });
+    }
+
+private:
+    static void mark(std::uint16_t& word, int bit) {
+        word = static_cast<std::uint16_t>(word | (1u << bit));
+    }
+    template <class Visit>
+    void each(std::span<std::uint16_t> at, const Visit& visit) {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, at.size(), 4096),
+                          [&](const tbb::blocked_range<std::size_t>& range) {
+                              for (auto c = range.begin(); c < range.end(); ++c)
+                                  visit(store_.entries(0).subspan(c * words_, words_), at[c]);
+                          });
+    }
+
+    std::size_t words_;  ///< per column
+    FrameStore store_;
+};
+
+/// Where the way of the next seam is blocked, if it is. @param found  number of seams found before
+std::optional<NoSeam> blocked_seam(const EnergyVolume& energy, Window window, int found) {
+    std::optional<NoSeam> out;
+    if (!energy.protects()) return out;
+    const Columns columns(energy);
+    with_costs(energy, [&](const auto& cost_at) {
+        std::vector<std::uint16_t> lowest;
+        const auto emptied =
+            lowest_seam(columns, lowest, Band::whole(columns.count(), window), cost_at);
+        if (!emptied) return;
+        const auto free = [&](std::size_t c) {
+            int out = 0;
+            for (int entry = window.first; entry <= window.last; ++entry)
+                out += std::isinf(cost_at(c, entry)) ? 0 : 1;
+            return out;
+        };
+        std::size_t blocked = 0;
+        while (blocked < columns.count() && free(blocked) > 0) ++blocked;
+        const auto column = blocked < columns.count() ? blocked : *emptied;
+        out.emplace(found, NoSeam::Bottleneck{column, window.size(), free(column)});
+    });
+    return out;
+}
+
+/// Whether insertions in a window would have to follow the lattice's last vertex.
+bool ends_lattice(Seams::Kind kind, Window window, int width) {
+    return kind == Seams::Kind::insert && window.last == width - 1;
+}
+
+/// The window of half size whose seams, interpolated to full size, stay in a window.
+Window half_window(Window window) { return {halved(window.first), halved(window.last) - 1}; }
+
+/// Where a seam of half size finds no way, at full size.
+NoSeam at_full_size(const NoSeam& none, int found, const EnergyVolume& energy,
+                    const FullSize& full) {
+    const auto place = Columns(energy).place(none.at.column);
+    return {found,
+            {full.columns.at(2 * place.lateral, 2 * place.k, 2 * place.t), 2 * none.at.vertices,
+             2 * none.at.free}};
+}
+
+SeamEntries repeated(std::span<const std::uint16_t> frame, std::size_t frames) {
+    std::vector<std::uint16_t> out;
+    out.reserve(frame.size() * frames);
+    for (std::size_t t = 0; t < frames; ++t) out.insert(out.end(), frame.begin(), frame.end());
+    return out;
+}
+
+}  // namespace
+
+int room_in(Seams::Kind kind, Window window, int width, int finest) {
+    if (ends_lattice(kind, window, width)) --window.last;
+    return finest == 2 ? 2 * std::max(half_window(window).size(), 0) : window.size();
+}
+
+void require_room(Seams::Kind kind, int count, Window window, int width, int finest) {
+    const int room = room_in(kind, window, width, finest);
+    if (count <= room) return;
+    const auto at_half_size = finest == 2
+                                  ? fmt::format(" at half size; at full size (`finest: 1`) for {}",
+                                                room_in(kind, window, width))
+                                  : "";
+    throw Failure(fmt::format(
+        "{} fit: window [{}, {}] has room to {} {}{}{}",
+        count == 1 ? "1 seam does not" : fmt::format("{} seams do not", count), window.first,
+        window.last, to_text(kind), room == 0 ? "none" : std::to_string(room), at_half_size,
+        ends_lattice(kind, window, width) ? "; a new vertex goes between two old ones, so none can "
+                                            "follow the lattice's last vertex"
+                                          : ""));
+}
+
+NoSeam::NoSeam(int found, const Bottleneck& at)
+    : Failure(fmt::format("{} {} possible: protected vertices leave no way past column {}", found,
+                          found == 1 ? "seam is" : "seams are", at.column)),
+      found(found),
+      at(at) {}
+
+namespace {
+
+/// The loop of find_seams(), search by search.
+class SeamSearch {
+public:
+    SeamSearch(EnergyVolume& volume, Seams::Kind kind, int count, Window window, bool static_,
+               const KeepSeam& keep, const Continued& continued)
+        : volume_(volume),
+          kind_(kind),
+          count_(count),
+          window_(window),
+          static_(static_),
+          keep_(keep),
+          continued_(continued),
+          full_(continued.full),
+          width_(full_ ? full_->width : volume.width()),
+          thickness_(continued.thick ? continued.thick->thickness : 1) {
+        require_room(kind, count, window, width_, full_ ? 2 : 1);
+        if (inserts()) window_.last = std::min(window_.last, width_ - 2);
+        if (full_) window_ = half_window(window_);
+        if (count == 0) return;
+        thickness_ = std::min(thickness_, window_.size());
+        if (continued.thick) prices_.emplace(volume, thickness_, continued.thick->weights);
+        else if (static_) sum_ = volume.sum();
+        if (inserts() && !prices_)
+            deleted_.emplace(columns(), width_, continued.memory_budget, continued.folder);
+    }
+
+    FoundSeams run(const FindSeam& find, const Tick& tick) {
+        take_known(tick);
+        const int known = searches_;
+        while (static_cast<int>(out_.seams.size()) < count_) {
+            const auto start = std::chrono::steady_clock::now();
+            const int thickness = thickness_now();
+            const auto left = window_left(thickness);
+            if (prices_) price(thickness, SlabPrices::emptiness.front());
+            const auto& energy = priced_ ? *priced_ : this->energy();
+            if (auto blocked = blocked_seam(energy, left, static_cast<int>(out_.seams.size()))) {
+                if (full_)
+                    blocked =
+                        at_full_size(*blocked, static_cast<int>(out_.seams.size()), energy, *full_);
+                if (!continued_.best_effort) throw NoSeam(*blocked);
+                out_.no_more = std::move(blocked);
+                break;
+            }
+            const int done = searches_ - known,
+                      left_to_do =
+                          (count_ - static_cast<int>(out_.seams.size()) + each() - 1) / each();
+            const auto tell = [&](double fraction) {
+                tick((done + fraction) / (done + left_to_do));
+            };
+            auto* const bounds = prices_ ? nullptr : continued_.bounds;
+            auto seam = prices_ ? find_slab(find, thickness, left, tell)
+                                : find(energy, left, searches_, tell, bounds);
+            const auto end = std::chrono::steady_clock::now();
+            if (!seam.lower_bound && bounds)
+                seam.lower_bound =
+                    bounds->energy_bound(energy, left, seam.at.all(), searches_, tell);
+            const auto bounded = std::chrono::steady_clock::now() - end;
+            count_met(energy, seam.at);
+            take(seam.at, thickness, left);
+            const auto seconds =
+                std::chrono::duration<double>(std::chrono::steady_clock::now() - start - bounded)
+                    .count();
+            add(std::move(seam), thickness, seconds);
+            if (continued_.found) continued_.found(out_);
+        }
+        return std::move(out_);
+    }
+
+private:
+    bool inserts() const { return kind_ == Seams::Kind::insert; }
+    /// What seams are searched in, if they are thin.
+    EnergyVolume& energy() { return sum_ ? *sum_ : volume_; }
+    /// Seams that come of one that is found.
+    int each() const { return thickness_ * (full_ ? 2 : 1); }
+    /// The thickness of the next slab. It does not depend on how many are wanted.
+    int thickness_now() const {
+        return prices_ && !inserts() ? std::min(thickness_, window_.size() - taken_) : thickness_;
+    }
+    /// The entries that the next seam may take, or with which the next slab may begin.
+    Window window_left(int thickness) const {
+        return {window_.first, window_.last - taken_ - thickness + 1};
+    }
+    Columns full_columns() const {
+        const auto& of = full_->columns;
+        return static_ ? Columns(static_cast<int>(of.laterals()), static_cast<int>(of.slices()), 1,
+                                 of.ring(1), of.ring(0))
+                       : of;
+    }
+    std::size_t columns() const {
+        return full_ ? full_columns().count()
+                     : volume_.columns_per_frame() * (static_ ? 1 : volume_.frames());
+    }
+    std::size_t all_frames() const { return full_ ? full_->columns.frames() : volume_.frames(); }
+    /// Sets the prices of slabs. @param empty  of what is empty, unless stated
+    void price(int thickness, float empty) {
+        priced_.reset();
+        auto out = prices_->of(volume_, thickness, continued_.thick->weights.empty.value_or(empty),
+                               slabs_, continued_.memory_budget, continued_.folder);
+        priced_ = static_ ? out.sum() : std::move(out);
+    }
+    /// Finds a slab. What is empty becomes dearer until the content gives its share, too.
+    Seams::Seam find_slab(const FindSeam& find, int thickness, Window left, const Tick& tick) {
+        // Solvers that go on from the last seam begin anew: prices change everywhere.
+        const auto once = [&] { return find(*priced_, left, 2 * searches_, tick); };
+        auto out = once();
+        if (continued_.thick->weights.empty) return out;
+        for (std::size_t n = 1; n < SlabPrices::emptiness.size(); ++n) {
+            const auto at = whole(out.at);
+            if (prices_->content_share(volume_, at, thickness,
+                                       {left.first, left.last + thickness - 1}) >=
+                SlabPrices::enough)
+                break;
+            price(thickness, SlabPrices::emptiness[n]);
+            out = once();
+        }
+        return out;
+    }
+    /// The entries of a seam in all frames.
+    SeamEntries whole(std::span<const std::uint16_t> at) const {
+        return static_ ? repeated(at, volume_.frames())
+                       : SeamEntries(std::vector<std::uint16_t>(at.begin(), at.end()));
+    }
+
+    /// Notes what a seam meets, for all seams that come of it.
+    void count_met(const EnergyVolume& energy, std::span<const std::uint16_t> at) {
+        const auto met = energy.met(at);
+        for (int n = 0; n < std::min(each(), count_ - static_cast<int>(out_.zero_share.size()));
+             ++n) {
+            out_.zero_share.push_back(static_cast<double>(met.zeros) /
+                                      static_cast<double>(at.size()));
+            out_.attracted.push_back(met.attracted);
+            out_.blocked.push_back(met.blocked);
+            out_.attracted_left.push_back(energy.attracted() - met.attracted);
+        }
+    }
+
+    /// Takes a seam from the volume, or notes that it is doubled. The last one is not taken: no
+    /// search follows it.
+    void take(std::span<const std::uint16_t> at, int thickness, Window left) {
+        const int number = searches_++;
+        if (static_cast<int>(out_.zero_share.size()) >= count_) return;
+        if (prices_) {
+            const auto all = whole(at);
+            if (inserts()) {
+                slabs_.push_back({all, thickness});
+                return;
+            }
+            for (int n = 0; n < thickness; ++n) volume_.remove(all);
+            for (auto& slab : slabs_)
+                for (std::size_t c = 0; c < all.size(); ++c) {
+                    auto& entry = slab.at.all()[c];
+                    if (entry > all[c])
+                        entry =
+                            static_cast<std::uint16_t>(std::max<int>(all[c], entry - thickness));
+                }
+            slabs_.push_back({all, 0});
+        } else {
+            if (continued_.bounds) continued_.bounds->follow(energy(), left, at, number);
+            energy().remove(at, left);
+        }
+        taken_ += thickness;
+    }
+
+    /// Adds a seam that was found to the set, as the seams that come of it.
+    void add(Seams::Seam seam, int thickness, double seconds) {
+        if (full_) {
+            const Columns here = static_ ? Columns(volume_.laterals(), volume_.slices(), 1,
+                                                   volume_.closed(), volume_.around())
+                                         : Columns(volume_);
+            const double share = static_cast<double>(columns()) / static_cast<double>(here.count());
+            const int most = width_ -
+                             (inserts() && prices_ ? 1 : static_cast<int>(out_.seams.size())) -
+                             (prices_ ? 2 * thickness : 1);
+            seam.at = prolong_seam(here, seam.at, full_columns(), {0, most});
+            seam.energy *= share;
+            if (seam.lower_bound) *seam.lower_bound *= share;
+        }
+        if (prices_) {
+            seam.energy /= each();
+            if (seam.lower_bound) *seam.lower_bound /= each();
+        }
+        complete(seam, 0, seconds);
+    }
+
+    /// Adds the seams that come of one, from the n-th on.
+    void complete(const Seams::Seam& seam, int n, double seconds) {
+        const int some = std::min(each(), n + count_ - static_cast<int>(out_.seams.size()));
+        for (const int first = n; n < some; ++n) {
+            auto one = seam;
+            if (deleted_) deleted_->to_original(one.at.all());
+            // The vertices of a slab that is doubled follow each other.
+            if (prices_ && inserts())
+                for (auto& entry : one.at.all()) entry = static_cast<std::uint16_t>(entry + n);
+            if (static_) one.at = repeated(one.at, all_frames());
+            if (keep_) one.at = keep_(std::move(one.at));
+            out_.seams.push_back(std::move(one));
+            out_.wall_s.push_back(seconds / (some - first));
+        }
+    }
+
+    /// Takes the seams that an earlier search found. Of a slab, it may have left the last ones to
+    /// find.
+    void take_known(const Tick& tick) {
+        std::vector<std::uint16_t> last;
+        const auto& before = continued_.before;
+        for (std::size_t n = 0; n < before.size(); n += static_cast<std::size_t>(each())) {
+            tick(0);
+            last.assign(before[n].at.begin(),
+                        before[n].at.begin() + static_cast<std::ptrdiff_t>(columns()));
+            if (deleted_) deleted_->from_original(last);
+            const int thickness = thickness_now();
+            if (prices_) price(thickness, SlabPrices::emptiness.front());
+            count_met(prices_ ? *priced_ : energy(), last);
+            const auto left = window_left(thickness);
+            take(last, thickness, left);
+            const auto end = std::min(before.size(), n + static_cast<std::size_t>(each()));
+            for (auto m = n; m < end; ++m) {
+                out_.seams.push_back(before[m]);
+                out_.wall_s.push_back(0);
+            }
+            if (const int found = static_cast<int>(end - n); found < each()) {
+                auto seam = before[n];
+                seam.at = last;
+                complete(seam, found, 0);
+            }
+        }
+        if (!last.empty() && continued_.start_from) continued_.start_from(last);
+    }
+
+    EnergyVolume& volume_;
+    const Seams::Kind kind_;
+    const int count_;
+    Window window_;
+    const bool static_;
+    const KeepSeam& keep_;
+    const Continued& continued_;
+    const std::optional<FullSize>& full_;
+    const int width_;
+    int thickness_;
+    std::optional<EnergyVolume> sum_;       ///< of all frames, for static seams
+    std::optional<SlabPrices> prices_;      ///< if seams are thick
+    std::optional<EnergyVolume> priced_;    ///< what the next slab is searched in
+    std::vector<SlabPrices::Taken> slabs_;  ///< that were taken
+    std::optional<Deleted> deleted_;        ///< of thin seams that are doubled
+    int searches_ = 0;                      ///< seams or slabs that are known
+    int taken_ = 0;                         ///< entries that they took from the window
+    FoundSeams out_;
+};
+
+}  // namespace
+
+FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window,
+                      const FindSeam& find, const Tick& tick, const KeepSeam& keep, bool static_,
+                      const Continued& continued) {
+    return SeamSearch(volume, kind, count, window, static_, keep, continued).run(find, tick);
+}
+
+}  // namespace fluidcarve

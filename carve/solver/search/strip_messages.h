@@ -1,0 +1,61 @@
+#pragma once
+
+#include "carve/solver/search/column_messages.h"
+#include "carve/solver/search/strip.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Improves a seam within a strip, by messages along all lines of columns at once (METHOD 8
+/// "Messages"; sequential tree-reweighted message passing, Kolmogorov 2006). A message tells each
+/// entry of a column what the rest of a line asks for a seam through it.
+class StripMessages {
+public:
+    /// Messages that say nothing yet.
+    /// @param strip   of at most ColumnMessages::most_entries in a column
+    /// @param memory  of the messages
+    explicit StripMessages(Strip strip, const KeptMemory& memory = {});
+    /// Messages that begin with those at half the resolution, interpolated.
+    /// @param window  as for restrict_energy()
+    StripMessages(Strip strip, Window window, const StripMessages& coarse,
+                  const KeptMemory& memory = {});
+
+    const Strip& strip() const { return strip_; }
+
+    /// Passes messages to and fro, and takes the seam that they lead to if it is cheaper. Ties go
+    /// to the given seam.
+    /// @param seam     feasible, in the strip, of finite cost; stays so
+    /// @param passes   to and fro
+    /// @param goes_on  whether finer messages will begin with these; else the last pass back is
+    ///   left out
+    /// @param tick     called often; may throw to stop
+    void improve(std::vector<std::uint16_t>& seam, int passes, bool goes_on,
+                 const std::function<void()>& tick);
+
+private:
+    /// Where rings begin, along lateral and k.
+    using Origin = std::array<std::size_t, 2>;
+
+    void improve(std::vector<std::uint16_t>& seam, int passes, const Origin& origin, bool goes_on,
+                 const std::function<void()>& tick);
+    /// Clears the messages that close rings: if rings begin elsewhere, these go the other way.
+    void forget(const Origin& origin);
+    /// Passes messages through all columns.
+    /// @param forward  in the order of columns; else against it
+    /// @param seam     as for improve()
+    /// @param taken    becomes the seam that the messages lead to, which may pass protected
+    ///   vertices; null: none is wanted
+    void pass(bool forward, const Origin& origin, const std::vector<std::uint16_t>& seam,
+              std::vector<std::uint16_t>* taken, const std::function<void()>& tick);
+
+    Strip strip_;
+    KeptMemory memory_;
+    KeptMemory::Array<ColumnMessages> messages_;  ///< `[column]`
+};
+
+}  // namespace fluidcarve

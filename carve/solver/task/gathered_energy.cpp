@@ -1,0 +1,241 @@
+#include "carve/solver/task/gathered_energy.h"
+
+#include "carve/base/failure.h"
+#include "carve/field/active_range.h"
+#include "carve/solver/costs/carve.h"
+#include "carve/solver/costs/eddies.h"
+#include "carve/solver/costs/half.h"
+#include "carve/vectors/wide.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <utility>
+
+namespace fluidcarve {
+
+namespace {
+
+constexpr float default_rigidity =
+    0.2f;  ///< with a field; in mean energies of content, of thick seams in mean prices
+constexpr double least_across =
+    1.2;  ///< eddies side by side, from which on seams are thick by default
+constexpr float thin_empty = 0.9f;  ///< default of `empty`
+constexpr double small_share =
+    0.05;  ///< of the content: if less of it lies in the lattice, that is hardly meant
+constexpr double least_share = 1e-4;  ///< below it, no number is given
+
+Prices prices_of(const SolverParams& params, bool forward) {
+    const float rigid = forward ? default_rigidity : 0.0f;
+    return {params.field_weight,
+            params.empty.value_or(thin_empty),
+            {params.rigidity.value_or(rigid), params.rigidity_time.value_or(rigid)}};
+}
+
+/// Joins what a mask missed in the frames before with another frame. If the mask is not empty
+/// there, that is no longer why it marks nothing.
+void join(std::optional<MissedRange>& all, const std::optional<MissedRange>& frame) {
+    if (all && frame) all->values = joined(all->values, frame->values);
+    else all.reset();
+}
+
+/// Expands a range of energy codes by others, marks left out.
+FLUIDCARVE_WIDE void expand(std::uint16_t& lowest, std::uint16_t& highest,
+                            std::span<const std::uint16_t> codes) {
+    // As the lowest, marks are above all energies.
+    auto low = lowest, high = highest;
+    for (const auto code : codes) {
+        const auto energy = code < protected_code ? code : std::uint16_t{0};
+        low = low < code ? low : code;
+        high = high > energy ? high : energy;
+    }
+    lowest = low;
+    highest = high;
+}
+
+std::string box_text(const openvdb::BBoxd& box) {
+    return fmt::format("({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g})", box.min().x(), box.min().y(),
+                       box.min().z(), box.max().x(), box.max().y(), box.max().z());
+}
+
+}  // namespace
+
+void GatheredEnergy::add(const SolverParams& params, const FrameEnergy& frame, const FramePlace& at,
+                         const Limits& limits) {
+    // Most frames share one lattice.
+    const bool same = !lattices_.empty() && lattices_.back()->hash == frame.lattice->hash;
+    lattices_.push_back(same ? lattices_.back() : frame.lattice);
+    const auto &lattice = *lattices_.back(), &first = *lattices_.front();
+    if (lattice.shape != first.shape)
+        throw Failure(fmt::format("the lattice has {} vertices here, but {} in the first frame",
+                                  fmt::join(lattice.shape, " x "), fmt::join(first.shape, " x ")));
+    transform_.require("the energy", *frame.transform, at.number);
+    if (frame.field_transform)
+        field_transform_.require("the field", *frame.field_transform, at.number);
+    if (params.count.value == 0) return;
+    content_.add(frame.content);
+    if (frame.active) active_box_.expand(*frame.active);
+    expand(lowest_, highest_, frame.energy);
+    if (frame.attract) marks_.attract = marks_.attract.value_or(0) + *frame.attract;
+    if (frame.protect) marks_.protect = marks_.protect.value_or(0) + *frame.protect;
+    if (lattices_.size() == 1) {
+        marks_.protect_missed = frame.protect_missed;
+        marks_.attract_missed = frame.attract_missed;
+    }
+    join(marks_.protect_missed, frame.protect_missed);
+    join(marks_.attract_missed, frame.attract_missed);
+    forward_ = !frame.field.empty();
+    finest_ = frame.finest;
+    if (!energy_) energy_.emplace(room(lattice.shape, at.of, params, limits, budget(limits)));
+    gather(frame, at.place / static_cast<std::size_t>(finest_));
+}
+
+void GatheredEnergy::gather(const FrameEnergy& frame, std::size_t place) {
+    begun_.resize(energy_->frames());
+    const bool first = !begun_[place];
+    begun_[place] = true;
+    if (first) {
+        std::ranges::copy(frame.energy, energy_->codes(place).begin());
+        if (energy_->has_field()) energy_->set_field(place, frame.field);
+        return;
+    }
+    average_energy(frame.energy, energy_->codes(place));
+    if (!energy_->has_field()) return;
+    auto field = energy_->field_codes(place);
+    average_field(frame.field, field);
+    energy_->set_field(place, field);
+}
+
+void GatheredEnergy::require_met() const {
+    if (content_.voxels > 0 && content_.inside == 0)
+        throw Failure(
+            fmt::format("the lattice misses the energy: its {}, but the active voxels span {}; "
+                        "move the lattice (its rig, or `min` and `max`) or the "
+                        "data (`translate` and `scale` of its reader)",
+                        lattices_.front()->description, box_text(active_box_)));
+}
+
+std::optional<double> GatheredEnergy::content_share() const {
+    return content_.voxels > 0 ? std::optional(content_.share()) : std::nullopt;
+}
+
+std::vector<std::string> GatheredEnergy::warnings() const {
+    auto out = mask_warnings(marks_);
+    if (const auto share = content_share(); share && *share < small_share)
+        out.push_back(
+            fmt::format("{} of the active voxels of `energy` lie in the lattice, and nothing else "
+                        "will change: if that is not meant, move the lattice (its rig, "
+                        "or `min` and `max`) or make it larger",
+                        *share < least_share ? fmt::format("less than {:g} %", 100 * least_share)
+                                             : fmt::format("{:.2g} %", 100 * *share)));
+    // With a field, seams pay for edges; with masks, they go by these.
+    if (lowest_ == highest_ && !forward_ && !marks_.protect && !marks_.attract)
+        out.push_back(fmt::format(
+            "`energy` is {:g} at all vertices of the lattice in all frames: a seam costs the same "
+            "wherever it goes, and will go anywhere; "
+            "connect an energy that is high where the look must stay, such as energy.gradient",
+            decode_energy(lowest_)));
+    return out;
+}
+
+EnergyVolume GatheredEnergy::room(const std::array<int, 3>& shape, std::size_t frames,
+                                  const SolverParams& params, const Limits& limits,
+                                  std::uint64_t budget) const {
+    EnergyVolume out(gathered_shape(shape, finest_), params.axis,
+                     finest_ == 2 ? halved(frames) : frames, budget, limits.folder,
+                     lattices_.front()->closed && params.axis != Axis::w,
+                     lattices_.front()->around);
+    const int spread = params.spread.value_or(forward_ ? 3 : 0);
+    out.set_spread(finest_ == 2 ? halved(spread) : spread);
+    if (forward_) out.add_field(0, budget, limits.folder);
+    return out;
+}
+
+GatheredEnergy::Taken GatheredEnergy::whole() {
+    auto out = std::move(*energy_);
+    const bool still = lattices_.size() == 1 && out.frames() > 1;
+    const auto field = still && out.has_field() ? out.field_codes(0) : std::vector<std::uint16_t>();
+    for (std::size_t t = 1; still && t < out.frames(); ++t) {
+        std::ranges::copy(out.codes(0), out.codes(t).begin());
+        if (out.has_field()) out.set_field(t, field);
+    }
+    const auto typical = Typical::of(out);
+    return {std::move(out), typical};
+}
+
+GatheredEnergy::Taken GatheredEnergy::carved(const SolverParams& params, const CarvedSpace& space,
+                                             const Limits& limits) {
+    auto from = std::move(*energy_);
+    const auto& shape = lattices_.front()->shape;
+    const auto held =
+                   from.columns_per_frame() * from.stride() * from.frames() * sizeof(std::uint16_t),
+               all = budget(limits);
+    auto out =
+        room(space.shape(), space.frames().size(), params, limits, held > all ? all : all - held);
+    for (std::size_t t = 0; t < out.frames(); ++t) {
+        const auto first = t * static_cast<std::size_t>(finest_),
+                   place = space.place(first) / static_cast<std::size_t>(finest_);
+        const auto before = space.carve_map(first);
+        const auto codes = from.codes(place);
+        std::ranges::copy(
+            carve_energy({codes.begin(), codes.end()}, shape, params.axis, before.steps(), finest_),
+            out.codes(t).begin());
+        if (from.has_field())
+            out.set_field(t, carve_field(from.field_codes(place), shape, params.axis,
+                                         before.steps(), finest_));
+    }
+    // Typical values of the whole lattice also hold for the space that earlier seams leave.
+    return {std::move(out), Typical::of(from)};
+}
+
+GatheredEnergy::Taken GatheredEnergy::take_unpriced(const SolverParams& params,
+                                                    const CarvedSpace& space,
+                                                    const Limits& limits) {
+    auto out = space.carved() ? carved(params, space, limits) : whole();
+    energy_.reset();
+    return out;
+}
+
+std::optional<Thick> GatheredEnergy::thick_for(const SolverParams& params,
+                                               const EnergyVolume& energy) const {
+    if (!forward_ || params.thickness == 1) return std::nullopt;
+    const auto& shape = lattices_.front()->shape;
+    const bool image = std::ranges::min(shape) == 1;
+    const bool for_thin = params.static_ || params.pair_static || params.cost || params.spread;
+    // Between protected vertices ways may be narrow, and an object may be narrower than a slab.
+    const bool marked = marks_.protect.value_or(0) + marks_.attract.value_or(0) > 0;
+    if (!params.thickness && (image || for_thin || marked)) return std::nullopt;
+    int thickness = 0;
+    if (params.thickness) {
+        thickness = (*params.thickness + finest_ - 1) / finest_;
+    } else {
+        const auto eddies = Eddies::of(energy);
+        // One smooth thing would be doubled as a whole, where it should be stretched.
+        if (eddies.across < least_across) return std::nullopt;
+        thickness = std::min(eddies.width, energy.width() / 4);
+    }
+    if (thickness * finest_ <= 1) return std::nullopt;
+    const float rigid = params.rigidity.value_or(default_rigidity),
+                in_time = params.rigidity_time.value_or(default_rigidity);
+    return Thick{thickness, {params.field_weight, params.empty, {rigid, in_time}}};
+}
+
+GatheredEnergy::Searched GatheredEnergy::take(const SolverParams& params, const CarvedSpace& space,
+                                              const Limits& limits) {
+    auto taken = take_unpriced(params, space, limits);
+    Searched out{std::move(taken.energy), std::nullopt};
+    out.thick = thick_for(params, out.energy);
+    if (out.thick) {
+        out.energy.set_spread(0);
+    } else {
+        set_prices(out.energy, taken.typical, prices_of(params, forward_));
+        if (out.energy.has_field()) out.energy.count_edges(limits.memory / 3, limits.folder);
+    }
+    if (marks_.protect || marks_.attract) out.energy.find_marks();
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,24 @@
+#include "carve/solver/task/params.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace fluidcarve {
+
+namespace {
+
+/// Lattices of more vertices are solved at half size, unless told otherwise.
+constexpr std::size_t most_vertices_solved = 12'000'000;
+
+}  // namespace
+
+int finest_for(const SolverParams& params, const Lattice& lattice) {
+    if (params.finest) return *params.finest;
+    std::size_t vertices = 1;
+    for (const int size : lattice.shape) vertices *= static_cast<std::size_t>(size);
+    // Images are solved exactly, whatever their size.
+    const bool volume = std::ranges::min(lattice.shape) > 1;
+    return volume && vertices > most_vertices_solved ? 2 : 1;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,156 @@
+#include "carve/solver/task/task.h"
+
+#include "carve/base/failure.h"
+#include "carve/base/values.h"
+#include "carve/solver/search/find_seams.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+namespace fluidcarve {
+
+namespace {
+
+std::string name_of(const CarvedSpace& space) {
+    return space.carved() ? " once the seams of `after` are carved" : "";
+}
+
+/// How many vertices the axis has, and which: the end of a message.
+std::string vertices_along(Axis axis, int size, const CarvedSpace& space) {
+    return fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(axis), name_of(space),
+                       size - 1);
+}
+
+Window window_of(const std::string& name, const Auto<VertexRange>& stated, Axis axis, int size,
+                 const CarvedSpace& space) {
+    const int first = space.lattices().front()->around ? 1 : 0;
+    if (!stated) return {first, size - 1};
+    const auto out = stated->of(size);
+    const auto text = text_of(*stated);
+    if (out.first < first)
+        throw Failure(
+            fmt::format("{} {} holds the rig, vertex 0, where the lattice's columns meet, so that "
+                        "nothing can be taken or added; begin at 1",
+                        name, text));
+    if (out.last > size - 1)
+        throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name, text,
+                                  vertices_along(axis, size, space)));
+    return out;
+}
+
+}  // namespace
+
+SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int finest) {
+    require_ends(params, *space.lattices().front());
+    SeamTask out;
+    out.axis = params.axis;
+    out.shape = space.shape();
+    if (*std::min_element(out.shape.begin(), out.shape.end()) < 1)
+        throw Failure(fmt::format("the seams of `after` leave nothing to carve: {} vertices",
+                                  fmt::join(out.shape, " x ")));
+    const int size = out.shape[dimension(params.axis)], count = params.count.of(size);
+    require_vertex_left(params, size, name_of(space));
+    out.asked = out.count = std::abs(count);
+    if (const int thickness = params.thickness.value_or(1); thickness > size)
+        throw Failure(fmt::format("thickness {} is wider than the lattice, which has {}; lower it",
+                                  thickness, vertices_along(params.axis, size, space)));
+    const auto part = [&](bool pair, Seams::Kind kind, const Auto<VertexRange>& window,
+                          bool static_) {
+        SeamTask::Part part{pair, kind, {}, static_};
+        part.window = window_of(part.prefix() + "window", window, params.axis, size, space);
+        // One vertex stays.
+        const int room = std::min(room_in(kind, part.window, size, finest),
+                                  kind == Seams::Kind::remove ? size - 1 : size);
+        if (params.best_effort && room < out.count) {
+            out.count = room;
+            out.limit = fmt::format("{}window [{}, {}]: it has room to {} {}", part.prefix(),
+                                    part.window.first, part.window.last, to_text(kind), room);
+        }
+        require_room(kind, out.count, part.window, size, finest);
+        return part;
+    };
+    out.seams = part(false, kind_asked(count), params.window, params.static_);
+    if (params.anchor.vertex > size - 1)
+        throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}",
+                                  params.anchor.vertex, vertices_along(params.axis, size, space)));
+    if (params.pair_window) {
+        out.pairs = part(true, opposite(out.seams.kind), params.pair_window, params.pair_static);
+        if (const auto fault = pair_fault(out.seams.window, *params.window, out.pairs->window,
+                                          *params.pair_window, false))
+            throw Failure(*fault);
+    }
+    return out;
+}
+
+void require_vertex_left(const SolverParams& params, int size, const std::string& space) {
+    const int removed = -params.count.of(size);
+    // A window that leaves out vertices keeps them.
+    const auto window = params.window ? params.window->of(size) : Window{0, size - 1};
+    const bool all = window.first == 0 && window.last == size - 1;
+    if (params.best_effort || removed < size || !all) return;
+    const auto count = text_of(params.count);
+    const auto axis = to_text(params.axis) + space;
+    if (size == 1)
+        throw Failure(
+            fmt::format("count {} removes the only vertex along {}; none can go", count, axis));
+    throw Failure(fmt::format("count {} removes {} {} vertices along {}; at most {} can go", count,
+                              removed == size ? "all" : "more than the", size, axis, size - 1));
+}
+
+void require_ends(const SolverParams& params, const Lattice& lattice) {
+    if (lattice.closed && params.axis == Axis::w && !params.pair_window)
+        throw Failure(
+            "the rig is closed, so that w has no end to take from or to add to: give a `window` "
+            "and a `pair_window` beside it, between which the content moves "
+            "round, or leave the rig open (`closed: false`)");
+    if (!lattice.around) return;
+    if (params.axis == Axis::v)
+        throw Failure(
+            "the lattice goes around its rig, so that v closes and has no end to take from: carve "
+            "`axis: u`");
+    if (params.axis == Axis::w)
+        throw Failure(
+            "the lattice goes around its rig, which stays in place: carve `axis: u`, or make a "
+            "lattice along the rig by lattice.build and carve its w");
+    if (params.anchor != Anchor{})
+        throw Failure(
+            fmt::format("anchor {} would move the rig, which the lattice goes around and where all "
+                        "its columns meet: leave `anchor` out, so that the "
+                        "rig stays in place",
+                        to_text(params.anchor)));
+}
+
+Columns columns_of(const SeamTask& task, const CarvedSpace& space) {
+    const auto& lattice = *space.lattices().front();
+    return {task.shape[lateral_dimension(task.axis)], task.shape[slice_dimension(task.axis)],
+            static_cast<int>(space.frames().size()), lattice.closed && task.axis != Axis::w,
+            lattice.around};
+}
+
+Seams empty_seams(const SolverParams& params, const SeamTask& task, const CarvedSpace& space) {
+    const auto& lattice = *space.lattices().front();
+    Seams out;
+    out.axis = task.axis;
+    out.kind = task.seams.kind;
+    out.closed = lattice.closed;
+    out.around = lattice.around;
+    out.shape = task.shape;
+    out.frames = space.frames();
+    out.lattice = lattice.description;
+    if (params.window) out.window = task.seams.window;
+    if (task.pairs) out.pair_window = task.pairs->window;
+    out.anchor = params.anchor;
+    std::vector<std::string> hashes;
+    for (const auto& of_frame : space.lattices()) hashes.push_back(of_frame->hash);
+    const bool same = std::all_of(hashes.begin(), hashes.end(),
+                                  [&](const auto& hash) { return hash == hashes.front(); });
+    out.lattice_hash = same ? hashes.front() : fmt::format("{}", fmt::join(hashes, ","));
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "carve/seam/window.h"
+#include "carve/solver/search/columns.h"
+#include "carve/solver/task/params.h"
+#include "carve/solver/task/space.h"
+
+#include <array>
+#include <optional>
+#include <string>
+
+namespace fluidcarve {
+
+/// What a solver is to find, as far as it is known before the energy is.
+struct SeamTask {
+    /// The seams of one window.
+    struct Part {
+        bool pair = false;  ///< whether the window is `pair_window`
+        Seams::Kind kind = Seams::Kind::remove;
+        Window window;
+        bool static_ = false;
+        std::string prefix() const {
+            return pair ? "pair_" : "";
+        }  ///< of the names of its parameters, and of what is reported of it
+    };
+    Axis axis = Axis::u;
+    std::array<int, 3> shape{};  ///< I, J, K of the space
+    int asked = 0;               ///< number of seams in each part that the parameters want
+    int count =
+        0;  ///< of seams to find in each part; with `best_effort` no more than there is room for
+    std::string limit;  ///< of fewer than asked for: which window is too small
+    Part seams;
+    std::optional<Part> pairs;
+};
+
+/// The task that parameters set in a space.
+/// @param finest  2: seams are found at half size
+/// @throws Failure if the space is empty, if a window or the anchor leaves it, if a window has too
+///   little room, or as require_vertex_left() and require_rig_stays()
+SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int finest = 1);
+
+/// Requires that removals leave a vertex along the axis; with `best_effort` the task sees to it.
+/// @param size   vertices along the axis
+/// @param space  what these are vertices of, for the message: empty, or " once the seams of `after`
+///   are carved"
+/// @throws Failure that says how many can go
+void require_vertex_left(const SolverParams& params, int size, const std::string& space);
+
+/// Requires an axis that begins and ends, or a pair window in a closed one. Around a rig, u is
+/// carved, and the rig stays in place.
+/// @throws Failure
+void require_ends(const SolverParams& params, const Lattice& lattice);
+
+/// The columns of the seams of a task.
+Columns columns_of(const SeamTask& task, const CarvedSpace& space);
+
+/// The set of a task that has no seams yet.
+Seams empty_seams(const SolverParams& params, const SeamTask& task, const CarvedSpace& space);
+
+}  // namespace fluidcarve

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "carve/solver/search/bound.h"
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace fluidcarve {
+
+/// The bounds of a task's seams. In small volumes each seam has one; in large ones the first, or
+/// all if passes are stated.
+class TaskBounds : public SeamBounds {
+public:
+    /// @param passes                 of lower_bound(); nothing: as few as there may be
+    /// @param before                 number of seams that an earlier search found; bounds after
+    ///   them are the same as in one go
+    /// @param check                  called now and then; stops the work by throwing
+    /// @param memory_budget, folder  as for lower_bound()
+    TaskBounds(std::optional<int> passes, int before, std::function<void()> check,
+               std::uint64_t memory_budget, const std::string& folder);
+
+    bool find(const EnergyVolume& energy, Window window, int number, const Tick& tick) override;
+    double with(const SeamStart& start) const override { return consecutive_.with(start); }
+    std::optional<double> energy_bound(const EnergyVolume& energy, Window window,
+                                       std::span<const std::uint16_t> found, int number,
+                                       const Tick& tick) override;
+    void follow(const EnergyVolume& energy, Window window, std::span<const std::uint16_t> at,
+                int number) override;
+
+private:
+    std::optional<int> passes_;
+    int before_;
+    std::function<void()> check_;
+    std::uint64_t memory_budget_;
+    std::string folder_;
+    ConsecutiveBounds consecutive_;
+    std::optional<double> found_;  ///< by the last find(), for a seam that is not deleted yet
+};
+
+}  // namespace fluidcarve

@@ -1,0 +1,76 @@
+#include "carve/stream/volume_stream.h"
+
+#include "carve/base/values.h"
+#include "carve/stream/grid_stream.h"
+
+#include <memory>
+#include <set>
+#include <vector>
+
+namespace fluidcarve {
+
+namespace {
+
+void write_plane(const Plane& plane, BinaryWriter& out) {
+    for (const auto* const box : {&plane.box, &plane.stored})
+        for (const auto& corner : {box->min(), box->max()}) out.value(corner);
+    std::vector<float> values;
+    values.reserve(plane.stored.volume());
+    for (int y = plane.stored.min().y(); y <= plane.stored.max().y(); ++y)
+        for (int x = plane.stored.min().x(); x <= plane.stored.max().x(); ++x)
+            values.push_back(plane.at(x, y));
+    out.list(values);
+}
+
+Plane read_plane(BinaryReader& in) {
+    Plane out;
+    for (auto* const box : {&out.box, &out.stored}) {
+        const auto low = in.value<openvdb::Coord>();
+        *box = {low, in.value<openvdb::Coord>()};
+    }
+    const auto values = std::make_shared<std::vector<float>>(in.list<float>());
+    BinaryReader::require(values->size() == out.stored.volume());
+    out.values = std::shared_ptr<const float>(values, values->data());
+    out.along_x = 1;
+    out.along_y = out.stored.dim().x();
+    return out;
+}
+
+}  // namespace
+
+std::uint64_t bytes_of(const Volume& volume) {
+    std::set<const openvdb::TreeBase*> trees;
+    std::uint64_t out = 0;
+    for (const auto& grid : volume.grids)
+        if (trees.insert(&grid.header().constBaseTree()).second) out += grid.bytes();
+    return out;
+}
+
+void write_volume(const Volume& volume, std::ostream& to) {
+    BinaryWriter out(to);
+    out.value(std::uint64_t{volume.grids.size()});
+    GridWriter grids(to);
+    for (const auto& grid : volume.grids) {
+        grids.write(grid.header());
+        out.value(grid.plane() != nullptr);
+        if (grid.plane()) write_plane(*grid.plane(), out);
+    }
+    write_metadata(volume.metadata, out);
+    out.text(volume.codec);
+}
+
+Ref<Volume> read_volume(std::istream& from) {
+    BinaryReader in(from);
+    const auto out = std::make_shared<Volume>();
+    GridReader grids(from);
+    for (auto left = in.value<std::uint64_t>(); left > 0; --left) {
+        const auto grid = grids.read();
+        if (in.value<bool>()) out->grids.emplace_back(grid, read_plane(in));
+        else out->grids.emplace_back(grid);
+    }
+    out->metadata = read_metadata(in);
+    out->codec = in.text();
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "carve/base/values.h"
+#include "carve/volume/volume.h"
+
+#include <array>
+#include <functional>
+#include <string>
+#include <utility>
+
+namespace fluidcarve {
+
+/// How values are moved: straight back along the motion (openvdb::tools::VolumeAdvection, midpoint
+/// steps), or with MacCormack's correction, which is sharper, clamped to the values around.
+enum class Transport { semi_lagrangian, mac_cormack };
+template <>
+struct ChoiceNames<Transport> {
+    static constexpr std::array names = {std::pair{"semi_lagrangian", Transport::semi_lagrangian},
+                                         std::pair{"mac_cormack", Transport::mac_cormack}};
+};
+
+/// The volume at a moment between two frames. Numbers and vectors come from both frames, moved
+/// along the motion, in the shares of the moment; whole numbers, masks and points from the nearer
+/// frame. A float grid that is no level set sums up to what lies between the sums of both frames. A
+/// level set is a distance again. A grid that only one frame has fades.
+/// @param share   of the way from `a` to `b`, between 0 and 1
+/// @param motion  from `a` to `b`, world units; null: nothing moves
+Volume volume_between(const Volume& a, const Volume& b, double share, const VectorGrid* motion,
+                      Transport transport);
+
+/// The volume of two, by a share of the second that differs from place to place. Whole numbers,
+/// masks and points are those of the nearer one.
+/// @param share   at a world position, from 0 to 1
+/// @param nearer  `a` or `b`
+Volume volume_mixed(const Volume& a, const Volume& b,
+                    const std::function<double(const openvdb::Vec3d&)>& share,
+                    const Volume& nearer);
+
+/// Multiplies the grids of a name by a number: velocities, where time goes faster.
+/// @return the volume itself if it has none, or the number is 1
+Volume scaled(const Volume& volume, const std::string& name, double by);
+
+}  // namespace fluidcarve

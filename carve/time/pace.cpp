@@ -1,0 +1,89 @@
+#include "carve/time/pace.h"
+
+#include "carve/base/failure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace fluidcarve {
+namespace {
+
+constexpr double most_frames = 1e6;
+constexpr double rounding = 1e-6;  ///< frames; what is nearer to a frame is that frame
+
+/// The smallest step between frames of a sequence.
+int least_step(const std::vector<int>& frames) {
+    int out = 0;
+    for (std::size_t n = 1; n < frames.size(); ++n)
+        if (const int step = frames[n] - frames[n - 1]; out == 0 || step < out) out = step;
+    return std::max(out, 1);
+}
+
+}  // namespace
+
+Pace::Pace(const PaceWish& wish, std::vector<int> source) : source_(std::move(source)) {
+    const double low = source_.front(), high = source_.back();
+    first_ = wish.start.value_or(source_.front());
+    step_ = least_step(source_);
+    double last = first_;
+    if (wish.speed) {
+        last = first_ + (high - low) / std::abs(*wish.speed);
+        points_ = *wish.speed > 0 ? std::vector<Point>{{double(first_), low}, {last, high}}
+                                  : std::vector<Point>{{double(first_), high}, {last, low}};
+    } else if (wish.count) {
+        last = first_ + static_cast<double>(step_) * (*wish.count - 1);
+        points_ = {{double(first_), low}, {last, high}};
+    } else {
+        if (wish.curve.empty()) throw Failure("no speed, number of frames or curve is stated");
+        for (const auto& point : wish.curve) {
+            if (point.size() != 2)
+                throw Failure("a point of 'curve' is [frame, frame of the source]");
+            points_.push_back({point[0], point[1]});
+        }
+        for (const auto& [at, shows] : points_)
+            if (shows < low || shows > high)
+                throw Failure(
+                    fmt::format("the curve leads to frame {:g} of the source, which has the frames "
+                                "{:g} to {:g}",
+                                shows, low, high));
+        first_ = static_cast<int>(std::ceil(points_.front().at - rounding));
+        last = points_.back().at;
+        step_ = 1;
+    }
+    const double count = std::floor((last - first_) / step_ + rounding) + 1;
+    if (count > most_frames)
+        throw Failure(fmt::format("that makes {:.0f} frames; a million are the most", count));
+    count_ = static_cast<std::size_t>(std::max(count, 1.0));
+}
+
+std::vector<int> Pace::frames() const {
+    std::vector<int> out;
+    for (std::size_t n = 0; n < count_; ++n) out.push_back(first_ + step_ * static_cast<int>(n));
+    return out;
+}
+
+Moment Pace::moment(int frame) const {
+    // The part of the pace that holds the frame, or else the nearest.
+    auto end = std::ranges::find_if(points_, [&](const Point& point) { return point.at > frame; });
+    if (end == points_.end()) --end;
+    if (end == points_.begin() && points_.size() > 1) ++end;
+    const auto& b = *end;
+    const auto& a = end == points_.begin() ? b : *(end - 1);
+    Moment out;
+    if (b.at > a.at) out.rate = (b.shows - a.shows) / (b.at - a.at);
+    const double shows = std::clamp(a.shows + out.rate * (frame - a.at), double(source_.front()),
+                                    double(source_.back()));
+    const auto after = std::ranges::upper_bound(source_, shows + rounding, std::less<>());
+    out.place = static_cast<std::size_t>(after - source_.begin()) - 1;
+    if (out.place + 1 == source_.size()) return out;
+    const double from = source_[out.place],
+                 share = (shows - from) / (source_[out.place + 1] - from);
+    out.share = share < rounding ? 0 : share;
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "carve/base/values.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Which moment of a sequence each frame of a retimed one shows. One of `speed`, `count` and
+/// `curve` is stated.
+struct PaceWish {
+    Auto<double> speed;  ///< frames of the source per frame; below 0: backwards
+    Auto<int> count;     ///< number of frames that show the whole source
+    std::vector<std::vector<double>>
+        curve;        ///< [frame, frame of the source], rising in the first; linear between
+    Auto<int> start;  ///< number of the first frame; auto: that of the source
+};
+
+/// A moment between two frames of a sequence.
+struct Moment {
+    std::size_t place = 0;  ///< index of the frame before
+    double share =
+        0;  ///< of the way from there to the next frame, from 0 up to 1; 0: the frame itself
+    double rate =
+        1;  ///< frames of the source that pass from frame to frame here; below 0: backwards
+};
+
+class Pace {
+public:
+    /// @param source  frame numbers, rising, at least one
+    /// @throws Failure if nothing is stated, or the curve leads beyond the source, or makes more
+    ///   than a million frames
+    Pace(const PaceWish& wish, std::vector<int> source);
+
+    /// Frame numbers of the retimed sequence.
+    std::vector<int> frames() const;
+    /// @param frame  one of frames()
+    Moment moment(int frame) const;
+
+private:
+    /// A point of the pace: `at` shows the source's frame `shows`, both as frame numbers.
+    struct Point {
+        double at = 0, shows = 0;
+    };
+
+    std::vector<int> source_;
+    std::vector<Point> points_;  ///< linear between; one or more
+    int first_ = 0, step_ = 1;
+    std::size_t count_ = 1;
+};
+
+}  // namespace fluidcarve

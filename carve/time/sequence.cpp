@@ -1,0 +1,84 @@
+#include "carve/time/sequence.h"
+
+#include "carve/base/failure.h"
+#include "carve/base/values.h"
+#include "carve/field/collocate.h"
+#include "carve/field/same_transform.h"
+#include "carve/volume/volume.h"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+namespace fluidcarve {
+
+void Sequence::add(const Volume& source, const Ref<VectorGrid>& velocity, int number,
+                   const Limits& limits) {
+    if (!store_) store_.emplace(limits.memory, limits.folder);
+    auto frame = source;
+    // The velocity goes along as the last grid: mostly it is one of the source's, and its tree is
+    // kept once.
+    if (velocity) frame.grids.push_back(velocity);
+    store_->add(std::make_shared<Volume>(std::move(frame)));
+    numbers_.push_back(number);
+    for (const auto& grid : source.grids)
+        if (grid.header().isType<FloatGrid>())
+            box_.expand(grid.plane() ? grid.plane()->box
+                                     : grid.header().evalActiveVoxelBoundingBox());
+    has_velocity_ = velocity != nullptr;
+}
+
+SequenceFrame Sequence::at(std::size_t place) const {
+    SequenceFrame out{*store_->at(place), nullptr};
+    if (!has_velocity_) return out;
+    out.velocity = openvdb::gridConstPtrCast<VectorGrid>(out.volume.grids.back());
+    out.volume.grids.pop_back();
+    return out;
+}
+
+std::optional<std::pair<FloatGrid::ConstPtr, FloatGrid::ConstPtr>> shown_in(const Volume& a,
+                                                                            const Volume& b) {
+    std::optional<std::pair<FloatGrid::ConstPtr, FloatGrid::ConstPtr>> out;
+    std::uint64_t most = 0;
+    for (const auto& held : a.grids) {
+        const openvdb::GridBase::ConstPtr grid = held;
+        const auto old = openvdb::gridConstPtrCast<FloatGrid>(grid),
+                   now = openvdb::gridConstPtrCast<FloatGrid>(b.find(grid->getName()));
+        if (!old || !now || old->transform() != now->transform() ||
+            !cubes_along_axes(old->transform()))
+            continue;
+        const bool density =
+            old->getName() == "density" || old->getGridClass() == openvdb::GRID_LEVEL_SET;
+        const auto voxels = density ? ~std::uint64_t{0} : old->activeVoxelCount();
+        if (voxels <= most) continue;
+        most = voxels;
+        out.emplace(old, now);
+    }
+    return out;
+}
+
+std::optional<std::pair<MovingFrame, MovingFrame>> moving_in(const SequenceFrame& a,
+                                                             const SequenceFrame& b) {
+    const auto shown = shown_in(a.volume, b.volume);
+    if (!shown) return std::nullopt;
+    const auto moving = [](const FloatGrid::ConstPtr& grid, const SequenceFrame& frame) {
+        return MovingFrame{grid, frame.velocity ? collocated(frame.velocity) : nullptr};
+    };
+    return std::pair(moving(shown->first, a), moving(shown->second, b));
+}
+
+int step_of(const std::vector<int>& frames) {
+    const int step = frames.size() > 1 ? frames[1] - frames[0] : 1;
+    for (std::size_t n = 1; n < frames.size(); ++n)
+        if (frames[n] - frames[n - 1] != step)
+            throw Failure(
+                fmt::format("all frames are needed, but between {} and {} some are left out; state "
+                            "`frames` without a gap, or let `missing: hold` of "
+                            "the reader fill it",
+                            frames[n - 1], frames[n]));
+    return step;
+}
+
+}  // namespace fluidcarve

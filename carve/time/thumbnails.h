@@ -1,0 +1,39 @@
+#pragma once
+
+#include "carve/base/values.h"
+#include "carve/volume/volume.h"
+
+#include <openvdb/openvdb.h>
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Small images of all frames of a sequence, to tell how much two of them differ: what is shown,
+/// and where it moves to.
+class Thumbnails {
+public:
+    /// Adds the next frame.
+    /// @param velocity  null: none
+    void add(const Volume& volume, const Ref<VectorGrid>& velocity);
+
+    std::size_t size() const { return frames_.size(); }
+    /// How much two frames differ, by what they show and, if there is a velocity, by how it moves.
+    /// About 1 for neighbouring frames.
+    double difference(std::size_t a, std::size_t b) const;
+
+private:
+    struct Frame {
+        openvdb::FloatTree shown;     ///< sums over cubes of 4^3 voxels
+        openvdb::Vec3STree momentum;  ///< the same of what is shown times its velocity
+    };
+    /// Squared difference of two frames: of what they show, and of its momentum.
+    std::array<double, 2> squares(const Frame& a, const Frame& b) const;
+
+    std::vector<Frame> frames_;
+    std::array<double, 2> typical_{};  ///< sums of the squares of neighbouring frames
+};
+
+}  // namespace fluidcarve

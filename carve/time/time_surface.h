@@ -1,0 +1,59 @@
+#pragma once
+
+#include "carve/time/sequence.h"
+#include "carve/volume/volume.h"
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Where and when one run of frames goes over into another: a surface in space and time. Each place
+/// goes over when both differ least there, in a few frames; so all but a few places show one of
+/// them alone (METHOD 12 "Surfaces in time").
+class TimeSurface {
+public:
+    /// @param like    whose space the surface is in
+    /// @param frames  pairs of frames, at least 1
+    /// @param width   frames in which a place goes over, at least 1, at most `frames`
+    /// @param box     of all voxels that show something
+    TimeSurface(const FloatGrid& like, std::size_t frames, double width,
+                const openvdb::CoordBBox& box);
+
+    /// Adds the next pair: a frame of the first run, and the one into which it goes over. They must
+    /// have the transform of `like`.
+    void add(const FloatGrid& first, const FloatGrid& second);
+    /// Call it when all are added.
+    void finish();
+
+    /// Share of the second run, from 0 to 1: 0 before the first pair, 1 behind the last.
+    /// @param pair  from 0 on
+    double share(int pair, const openvdb::Vec3d& world) const;
+
+private:
+    /// Averages with the neighbours along all axes, by weights 1, 2 and 1.
+    void smooth(std::vector<float>& values, int times) const;
+
+    openvdb::math::Transform::Ptr space_;
+    std::size_t frames_, added_ = 0;
+    double width_;
+    int shift_ = 2;              ///< cubes have 2^shift voxels along each axis
+    openvdb::Coord low_, size_;  ///< in cubes
+    std::vector<float> when_, weight_,
+        all_;  ///< `[x][y][z]`; when_: the moment, from 1 to `frames`, once finished
+};
+
+/// The surface at which one run of frames goes over into another.
+/// @param pairs  places in the source: of a frame of the first run, and of the one into which it
+/// goes over; at least one
+/// @param width  as above
+/// @param tick   called between pairs
+/// @return nothing if no float grid of one transform shows in all of these frames
+std::optional<TimeSurface> surface_between(
+    const Sequence& source, const std::vector<std::pair<std::size_t, std::size_t>>& pairs,
+    double width, const std::function<void()>& tick);
+
+}  // namespace fluidcarve

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <openvdb/openvdb.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace fluidcarve {
+
+/// The values of a picture's channel as an array. A tree would take eight times the memory: its
+/// leaves are eight voxels deep.
+struct Plane {
+    openvdb::CoordBBox box;  ///< the active voxels, all of one z
+    openvdb::CoordBBox
+        stored;  ///< the voxels that have values here; the others of `box` are 0. Empty: none has
+    std::shared_ptr<const float> values;  ///< that of the voxel `stored.min()`, with the array
+                                          ///< behind it; of whole numbers the bits
+    std::ptrdiff_t along_x = 0,
+                   along_y = 0;  ///< from the value of a voxel to that of its neighbour
+
+    /// @param x, y  of a voxel in `box`
+    float at(int x, int y) const {
+        const auto& low = stored.min();
+        return stored.isInside({x, y, low.z()})
+                   ? values.get()[(x - low.x()) * along_x + (y - low.y()) * along_y]
+                   : 0.0f;
+    }
+};
+
+/// One grid of a volume: a tree, or the plane of a picture's channel, which becomes a tree only for
+/// those who ask for it.
+class VolumeGrid {
+public:
+    VolumeGrid() = default;
+    template <class GridT>
+    VolumeGrid(std::shared_ptr<GridT> grid) : grid_(std::move(grid)) {}
+    /// @param header  a grid of floats or of whole numbers (Int32Grid) without voxels and with a
+    ///   background of 0
+    VolumeGrid(openvdb::GridBase::ConstPtr header, Plane plane);
+
+    /// Type, name, transform and metadata of the grid, perhaps without its voxels.
+    const openvdb::GridBase& header() const { return *grid_; }
+    std::string name() const { return grid_->getName(); }
+    /// The grid. One of a plane is made anew by each call.
+    openvdb::GridBase::ConstPtr grid() const;
+    operator openvdb::GridBase::ConstPtr() const { return grid(); }
+    openvdb::GridBase::ConstPtr operator->() const { return grid(); }
+    explicit operator bool() const { return grid_ != nullptr; }
+    /// Null if the grid is a tree.
+    const Plane* plane() const { return plane_.get(); }
+    /// A changed grid, held as this one is: as a plane if this is one, and the grid's active voxels
+    /// fill a rectangle of one z.
+    VolumeGrid holding(const openvdb::GridBase::ConstPtr& changed) const;
+    /// Bytes of memory.
+    std::uint64_t bytes() const;
+    /// Whether both are the same grid, not only alike.
+    bool operator==(const VolumeGrid&) const = default;
+
+private:
+    openvdb::GridBase::ConstPtr grid_;
+    std::shared_ptr<const Plane> plane_;
+};
+
+}  // namespace fluidcarve

@@ -1,0 +1,68 @@
+#include "carve/warp/amount.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace fluidcarve {
+
+namespace {
+
+using Length = WarpAmount::Length;
+
+std::string text_of(const Length& length) {
+    return fmt::format("{}{}", length.value, length.percent ? "%" : "");
+}
+
+/// A curve's value at a place. @param value  of a point
+template <class Point, class Get>
+double linear(const std::vector<Point>& points, double place, const Get& value) {
+    const auto above = std::ranges::lower_bound(points, place, {}, &Point::at);
+    if (above == points.end()) return value(points.back());
+    if (above == points.begin()) return value(points.front());
+    const auto below = above - 1;
+    return value(*below) +
+           (place - below->at) / (above->at - below->at) * (value(*above) - value(*below));
+}
+
+}  // namespace
+
+bool WarpAmount::nothing() const {
+    if (!varies()) return whole.value == 0;
+    const auto none = [](const std::vector<Point>& curve) {
+        return std::ranges::all_of(curve,
+                                   [](const Point& point) { return point.amount.value == 0; });
+    };
+    if (!sections.empty()) return std::ranges::all_of(sections, none, &Section::points);
+    return none(points) || (!shares.empty() && std::ranges::all_of(shares, [](const Share& share) {
+               return share.share == 0;
+           }));
+}
+
+double WarpAmount::at(double w, double frame, int size) const {
+    if (!varies()) return whole.of(size);
+    const auto length = [size](const Point& point) { return point.amount.of(size); };
+    if (!sections.empty())
+        return linear(sections, frame,
+                      [&](const Section& section) { return linear(section.points, w, length); });
+    const bool along_w = along == Along::w;
+    const double amount = linear(points, along_w ? w : frame, length);
+    return shares.empty() ? amount
+                          : amount * linear(shares, along_w ? frame : w,
+                                            [](const Share& share) { return share.share; });
+}
+
+std::string text_of(const WarpAmount& amount) {
+    if (!amount.varies()) return text_of(amount.whole);
+    std::vector<std::string> points, shares;
+    for (const auto& point : amount.points)
+        points.push_back(fmt::format("[{}, {}]", point.at, text_of(point.amount)));
+    for (const auto& share : amount.shares)
+        shares.push_back(fmt::format("[{}, {}]", share.at, share.share));
+    return fmt::format(
+        "{{along: {}, at: [{}]{}}}", choice_text(amount.along), fmt::join(points, ", "),
+        shares.empty() ? std::string() : fmt::format(", over: [{}]", fmt::join(shares, ", ")));
+}
+
+}  // namespace fluidcarve

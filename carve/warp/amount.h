@@ -1,0 +1,73 @@
+#pragma once
+
+#include "carve/base/values.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace fluidcarve {
+
+/// By how much a warp makes a lattice longer along its axis: a number of vertices, which need not
+/// be whole, or a percentage of the vertices along the axis. Negative makes it shorter. A curve
+/// (METHOD 11 "Ramps") states other amounts at other planes or frames; a file may state another
+/// curve along the lattice for each of several frames.
+struct WarpAmount {
+    struct Length {
+        double value = 0;
+        bool percent = false;
+        /// In vertices. @param size  vertices along the axis
+        double of(int size) const { return percent ? value / 100 * size : value; }
+        bool operator==(const Length&) const = default;
+    };
+    enum class Along { w, time };
+    struct Point {
+        double at =
+            0;  ///< along w: 0, the first plane, to 1, the last one; along time: a frame number
+        Length amount;
+    };
+    struct Share {
+        double at = 0;  ///< of the other dimension
+        double share = 0;
+    };
+    struct Section {
+        double at = 0;              ///< a frame number
+        std::vector<Point> points;  ///< along w
+    };
+
+    /// The least distance between the places of two points.
+    static constexpr double least_step = 1e-6;
+
+    Length whole;            ///< without a curve
+    Along along = Along::w;  ///< of `points`
+    std::vector<Point>
+        points;  ///< of a curve, rising; linear between them, constant beyond; empty: none
+    std::vector<Share> shares;  ///< factors along the other dimension, the same way; empty: all 1
+    /// Curves at frames, rising; linear between them, constant beyond. There are then no `points`
+    /// and `shares`; empty: none.
+    std::vector<Section> sections;
+
+    bool varies() const { return !points.empty() || !sections.empty(); }
+    bool varies_along(Along dimension) const {
+        return varies() && (dimension == along || !shares.empty() || !sections.empty());
+    }
+    /// Whether nothing is to be done.
+    bool nothing() const;
+    /// The amount of a plane in a frame, vertices.
+    /// @param w     place of the plane along the lattice, 0 to 1
+    /// @param size  vertices along the axis
+    double at(double w, double frame, int size) const;
+};
+
+template <>
+struct ChoiceNames<WarpAmount::Along> {
+    static constexpr std::array names = {std::pair{"w", WarpAmount::Along::w},
+                                         std::pair{"time", WarpAmount::Along::time}};
+};
+
+/// The amount as a pipeline states it.
+std::string text_of(const WarpAmount& amount);
+
+}  // namespace fluidcarve

@@ -1,0 +1,62 @@
+#pragma once
+
+#include "carve/base/frame_store.h"
+#include "carve/seam/warp.h"
+#include "carve/seam/window.h"
+#include "carve/warp/warp_system.h"
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Space is squeezed by no more than this share: vertices stay in their order.
+inline constexpr double most_squeezed = 0.9;
+
+/// What a warp is to do.
+struct WarpTask {
+    Window window;                      ///< vertices between which the displacement changes
+    std::optional<Window> pair_window;  ///< above `window`: where it goes back to 0
+    /// How far content behind the window moves, as a share of `amount`: `[t][k]`, by points of the
+    /// warp; the greatest is 1 or -1.
+    std::vector<float> shares;
+    double amount = 0;  ///< vertices; negative squeezes the window
+    WarpStiffness stiffness;
+};
+
+/// Why an amount is out of reach: a column has too little room.
+struct NoRoom {
+    double possible =
+        0;  ///< the greatest amount for which there is room, vertices, of the sign asked for
+    int lateral = 0, k = 0;
+    std::size_t t = 0;     ///< where room is least; by vertices
+    bool pair = false;     ///< in the pair window
+    std::size_t free = 0;  ///< intervals along the axis that are not protected
+    std::size_t of = 0;    ///< all intervals of the window
+};
+
+/// Looks for a column that has no room for a task: an unprotected interval can give `most_squeezed`
+/// of itself.
+/// @param weights  as find_weights() gives them
+/// @return the column with the least room for its amount; nothing: there is room everywhere
+std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const FrameStore& weights);
+
+/// Finds a warp, and sets its scale: its displacements are scale() times its values. As long as
+/// nothing is squeezed by more than `most_squeezed`, the warp is linear: its values are the
+/// solution for an amount of 1. Else the values are those of this amount: weights are raised where
+/// it is too tight, until it is not.
+/// @param warp     its values are overwritten; its bounds are not found
+/// @param weights  may be raised
+/// @param tick     is called between cycles with the share that is done, 0 to 1
+/// @return the number of multigrid cycles
+int find_warp(const WarpTask& task, Warp& warp, FrameStore& weights,
+              const std::function<void(double)>& tick);
+
+/// The greatest amount of a sign, by bounds() of the warp, up to which a linear warp squeezes
+/// nothing by more than `most_squeezed`, vertices from 0 on; infinite if it squeezes nothing.
+/// @param sign  1 or -1
+double most_linear(const Warp& warp, int sign);
+
+}  // namespace fluidcarve

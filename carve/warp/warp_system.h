@@ -1,0 +1,54 @@
+#pragma once
+
+#include "carve/base/frame_store.h"
+#include "carve/seam/warp.h"
+#include "carve/seam/window.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace fluidcarve {
+
+/// How stiffly a warp resists shear, as a share of how stiffly it resists squeezing.
+struct WarpStiffness {
+    double space = 0.25;  ///< between neighbours across the axis
+    double time = 1;      ///< from frame to frame; values of one place
+};
+
+/// The equations of a warp (METHOD 11): of all displacements with given values at both ends of a
+/// window, the one of least
+///     sum w (D_u^2 + space (D_v^2 + D_w^2) + time D_t^2)
+/// at the points of a warp. Multigrid solves them without a matrix: a line of points along the axis
+/// is solved at once, every second line at a time; coarser levels have fewer lines, as long as
+/// those of the finest. The result does not depend on the number of threads.
+class WarpSystem {
+public:
+    /// @param warp     holds at the window's ends the given values, between them the solution as
+    ///   far as it is known
+    /// @param weights  energy codes, one for each value of the warp, in frames as the warp's; not
+    ///   marked ones; above 0
+    /// @param window   points along the axis; values outside of it are not read
+    /// Both must stay. A column whose two ends are 0 stays 0.
+    WarpSystem(Warp& warp, const FrameStore& weights, Window window,
+               const WarpStiffness& stiffness);
+    ~WarpSystem();
+    WarpSystem(const WarpSystem&) = delete;
+    WarpSystem& operator=(const WarpSystem&) = delete;
+
+    /// Reads the weights again, after they have changed.
+    void update_weights();
+    /// Comes closer to the solution, by one multigrid cycle.
+    /// @return the greatest change of a value by the cycle's last sweep
+    double cycle();
+
+private:
+    class Level;
+    double cycle(std::size_t n);
+
+    std::vector<std::unique_ptr<Level>> levels_;  ///< from fine to coarse
+};
+
+}  // namespace fluidcarve

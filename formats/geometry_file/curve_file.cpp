@@ -1,0 +1,221 @@
+#include "formats/geometry_file/curve_file.h"
+
+#include "carve/base/failure.h"
+#include "carve/base/words.h"
+#include "formats/geometry_file/file_text.h"
+#include "formats/geometry_file/obj.h"
+#include "formats/geometry_file/ply.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string_view>
+
+namespace fluidcarve {
+
+using openvdb::Vec3d;
+
+namespace {
+
+using Words = std::vector<std::string_view>;
+
+constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
+
+bool is_number(std::string_view word) {
+    const auto number = number_of<double>(word);
+    return number && std::isfinite(*number);
+}
+
+/// The point in three columns of a line.
+Vec3d point_in(const FileText& file, const Words& words,
+               const std::array<std::size_t, 3>& columns) {
+    if (words.size() <= *std::max_element(columns.begin(), columns.end()))
+        file.fault("this point lacks a coordinate");
+    return {file.number(words[columns[0]]), file.number(words[columns[1]]),
+            file.number(words[columns[2]])};
+}
+
+/// Joins pieces of a line between numbered points.
+class Chain {
+public:
+    /// @param a, b  indices of the piece's ends
+    /// @param line  its line number in the file
+    void add(std::size_t a, std::size_t b, int line) {
+        if (edges_.empty()) first_ = {a, b};
+        edges_.push_back(line);
+        joined_[a].push_back({b, edges_.size() - 1});
+        joined_[b].push_back({a, edges_.size() - 1});
+    }
+    bool empty() const { return edges_.empty(); }
+
+    /// Indices of the points along the joined line.
+    /// @throws Failure (input) if the line has branches or several parts
+    std::vector<std::size_t> points(const FileText& file) const {
+        for (const auto& [point, ends] : joined_)
+            if (ends.size() > 2)
+                file.fault_at(
+                    edges_[ends[2].edge],
+                    fmt::format(
+                        "a third line ends at vertex {}: a rig is one line without branches",
+                        point + 1));
+        std::vector<bool> used(edges_.size());
+        used[0] = true;
+        auto forward = walk(first_[1], used), out = walk(first_[0], used);
+        std::reverse(out.begin(), out.end());
+        out.insert(out.end(), forward.begin(), forward.end());
+        if (const auto rest = std::find(used.begin(), used.end(), false); rest != used.end())
+            file.fault_at(edges_[static_cast<std::size_t>(rest - used.begin())],
+                          "this line is not joined to the first one: a rig is one line");
+        return out;
+    }
+
+private:
+    struct End {
+        std::size_t point, edge;
+    };
+
+    std::vector<std::size_t> walk(std::size_t from, std::vector<bool>& used) const {
+        std::vector<std::size_t> out{from};
+        for (bool on = true; on;) {
+            on = false;
+            for (const auto& end : joined_.at(out.back())) {
+                if (used[end.edge]) continue;
+                used[end.edge] = true;
+                out.push_back(end.point);
+                on = true;
+                break;
+            }
+        }
+        return out;
+    }
+
+    std::array<std::size_t, 2> first_{};
+    std::vector<int> edges_;  ///< line number in the file of each piece
+    std::map<std::size_t, std::vector<End>> joined_;
+};
+
+std::vector<Vec3d> read_obj(FileText& file) {
+    std::vector<Vec3d> vertices;
+    Chain chain;
+    const auto vertex = [&](std::string_view word) {
+        const auto stated = number_of<long>(word.substr(0, word.find('/')));
+        const auto out = stated ? obj_index(*stated, vertices.size()) : std::nullopt;
+        if (!out || *out >= vertices.size())
+            file.fault(
+                fmt::format("{} is none of the {} vertices above", quoted(word), vertices.size()));
+        return *out;
+    };
+    while (file.next()) {
+        const auto words = words_of(file.line());
+        if (words.empty()) continue;
+        if (words[0] == "v") vertices.push_back(point_in(file, words, {1, 2, 3}));
+        if (words[0] != "l") continue;
+        if (words.size() < 3) file.fault("a line needs at least two vertices");
+        for (std::size_t n = 2; n < words.size(); ++n)
+            chain.add(vertex(words[n - 1]), vertex(words[n]), file.line_number());
+    }
+    if (chain.empty())
+        file.fault_in_all(
+            "there is no line in it (element 'l'): export a curve as lines, not as faces");
+    std::vector<Vec3d> out;
+    for (const auto n : chain.points(file)) out.push_back(vertices[n]);
+    return out;
+}
+
+std::vector<Vec3d> read_ply(FileText& file) {
+    if (!file.next() || file.line() != "ply")
+        file.fault("this is no PLY file: its first line is not 'ply'");
+    using Kind = PlyStatement::Kind;
+    PlyHeader header;
+    for (auto kind = Kind::comment; kind != Kind::end;) {
+        if (!file.next()) file.fault("the header has no 'end_header'");
+        const auto statement = header.take(file.line());
+        kind = statement.kind;
+        if (kind == Kind::format && statement.word(1) != name_of(NumberForm::ascii))
+            file.fault("only PLY files of format ascii can be read here");
+        if (kind == Kind::element && (statement.words.size() != 3 || statement.wrong))
+            file.fault("an element needs a name and a count");
+        if (kind == Kind::property && !header.elements.empty() &&
+            header.elements.back().name == "vertex" && statement.words.size() != 3)
+            file.fault("a vertex with a list among its properties can't be read here");
+    }
+    for (const auto& element : header.elements) {
+        std::array<std::size_t, 3> columns{};
+        if (element.name == "vertex")
+            for (std::size_t c = 0; c < 3; ++c) {
+                const auto found =
+                    std::find_if(element.properties.begin(), element.properties.end(),
+                                 [&](const PlyHeader::Property& each) {
+                                     return each.name == std::string(1, "xyz"[c]);
+                                 });
+                if (found == element.properties.end())
+                    file.fault(fmt::format("element 'vertex' has no property '{}'", "xyz"[c]));
+                columns[c] = static_cast<std::size_t>(found - element.properties.begin());
+            }
+        std::vector<Vec3d> out;
+        for (std::size_t n = 0; n < element.count; ++n) {
+            if (!file.next())
+                file.fault(fmt::format("the file ends after {} of {} lines of element '{}'", n,
+                                       element.count, element.name));
+            if (element.name == "vertex")
+                out.push_back(point_in(file, words_of(file.line()), columns));
+        }
+        if (element.name == "vertex") return out;
+    }
+    file.fault_in_all("there is no element 'vertex' in it");
+}
+
+std::vector<Vec3d> read_csv(FileText& file) {
+    std::array<std::size_t, 3> columns{0, 1, 2};
+    std::vector<Vec3d> out;
+    std::size_t cells = 0;
+    for (bool first = true; file.next();) {
+        const auto text = file.line().substr(0, file.line().find('#'));
+        const auto words = words_of(text, ",; \t");
+        if (words.empty()) continue;
+        if (text.find(',') != std::string_view::npos && text.find(';') != std::string_view::npos)
+            file.fault("this line has commas and semicolons: write decimals with a point");
+        if (first) cells = words.size();
+        if (words.size() > cells)
+            file.fault(
+                fmt::format("this line has {} cells, the first one {}: write decimals with a point",
+                            words.size(), cells));
+        // A header is a first line that does not begin with a number.
+        if (first && !is_number(words[0])) {
+            for (std::size_t c = 0; c < 3; ++c) {
+                const auto named = [&](std::string_view word) {
+                    return word.size() == 1 && (word[0] == "xyz"[c] || word[0] == "XYZ"[c]);
+                };
+                const auto found = std::find_if(words.begin(), words.end(), named);
+                if (found == words.end())
+                    file.fault(fmt::format("the header has no column '{}'", "xyz"[c]));
+                columns[c] = static_cast<std::size_t>(found - words.begin());
+            }
+        } else {
+            out.push_back(point_in(file, words, columns));
+        }
+        first = false;
+    }
+    if (out.empty()) file.fault_in_all("there are no points in it");
+    return out;
+}
+
+}  // namespace
+
+std::vector<Vec3d> read_curve(const std::string& path) {
+    const auto ending = ending_of(path);
+    if (ending != ".obj" && ending != ".ply" && ending != ".csv")
+        throw Failure(
+            fmt::format("{}: a curve is read from .obj, .ply or .csv, not from '{}'", path, ending),
+            Failure::Kind::input);
+    FileText file(InputFile(path, {.what = "a curve", .most = most_bytes}));
+    return ending == ".obj" ? read_obj(file) : ending == ".ply" ? read_ply(file) : read_csv(file);
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "formats/file/input_file.h"
+#include "formats/file/provenance.h"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace fluidcarve {
+
+/// What begins a comment.
+inline constexpr std::string_view obj_comment = "# ", ply_comment = "comment ";
+
+/// A comment line for each entry, without line ends. @param begin  what begins a comment
+std::vector<std::string> provenance_comments(const Provenance& provenance, std::string_view begin);
+
+/// Whether a line of an OBJ file or a PLY header is such a comment.
+bool is_provenance_comment(std::string_view line);
+
+/// The provenance in the comments that an OBJ file begins with, or in a PLY header.
+/// @throws Unreadable
+Provenance provenance_of_comments(const InputFile& file);
+
+}  // namespace fluidcarve

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "formats/file/provenance.h"
+#include "formats/image/image_volume.h"
+
+#include <openvdb/MetaMap.h>
+#include <openvdb/Metadata.h>
+
+#include <string>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Metadata of a channel's grid: the depth of its pixels in the file.
+inline constexpr auto depth_key = "image_depth";
+
+/// A metadata value of a type, or else `fallback`.
+template <class T>
+T meta(const openvdb::MetaMap& from, const char* key, const T& fallback) {
+    const auto found = from.getMetadata<openvdb::TypedMetadata<T>>(key);
+    return found ? found->value() : fallback;
+}
+
+using Channels = std::vector<VolumeGrid>;
+
+/// Whether a grid holds the bits of a channel that names things.
+bool is_identity(const openvdb::GridBase& grid);
+
+std::string names_of(const Channels& channels);
+
+/// Sorts channels: R, G, B, opacity, others. Most formats need this order.
+void sort_colours(Channels& channels);
+
+Channels channels_of(const Volume& volume, const ImageWish& wish);
+
+/// Checks that the format can hold these channels. @throws Failure with the remedy
+void require_layout(const Channels& channels, const ImageFormat& format);
+
+std::vector<std::string> depths_of(const Channels& channels, const ImageWish& wish);
+
+}  // namespace fluidcarve

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "carve/seam/seams.h"
+#include "carve/volume/volume.h"
+#include "formats/file/provenance.h"
+
+#include <string>
+
+namespace fluidcarve {
+
+/// Converts seams to the volume that a seam file holds. Each seam, in order, is a FloatGrid
+/// `seam.0000`, and so on: its value at `(lateral, k, t)` is the seam's entry, and all columns are
+/// active. Grid metadata: `kind` and `energy`. Pairs have a second grid each, `seam.0000.pair`. A
+/// warp has the grids of grids_of_warp() instead. Volume metadata: seam_texts() and, as
+/// `fluidcarve_checksum`, seam_checksum().
+Volume seams_to_volume(const Seams& seams);
+
+/// Converts such a volume back to seams, or a warp. Does not check that neighbouring entries are
+/// feasible. Metadata may state anything: memory is taken only for what the grids hold.
+/// @throws Failure (input), without the file's name, if anything is missing, not a whole number, or
+///   out of range, or if there is a checksum
+///         and it does not match
+Seams seams_from_volume(const Volume& volume);
+
+/// Writes a seam file, whole or not at all.
+/// @throws Failure if it can't be written
+void write_seams(const std::string& path, const Seams& seams, const Provenance& provenance = {});
+/// Reads a seam file.
+/// @throws Failure (input) naming the file
+Seams read_seams(const std::string& path);
+
+}  // namespace fluidcarve

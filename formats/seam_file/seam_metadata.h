@@ -1,0 +1,41 @@
+#pragma once
+
+#include "carve/base/failure.h"
+#include "carve/seam/seams.h"
+
+#include <openvdb/MetaMap.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace fluidcarve {
+
+/// All that a seam file says in its metadata of seams, as names and texts, in the order of the
+/// file's documentation. What has its default is left out.
+std::vector<std::pair<std::string, std::string>> seam_texts(const Seams& seams);
+
+/// The number of vertices from point to point of the warp in a file; nothing if the file holds
+/// seams.
+/// @throws Failure (input) if it is none of 1, 2 and 4
+std::optional<int> warp_factor(const openvdb::MetaMap& metadata);
+
+/// Reads such metadata. Takes memory for no more frames than the shape states, and for none of its
+/// columns.
+/// @return the seams without their entries, of unknown kind
+/// @throws Failure (input), without the file's name, if a text is missing or wrong
+Seams seams_of_texts(const openvdb::MetaMap& metadata);
+
+/// A text in the metadata of a file or a grid.
+/// @param owner  "the file", or the grid's name
+/// @throws Failure (input) if there is none
+std::string seam_text(const openvdb::MetaMap& metadata, const std::string& name,
+                      const std::string& owner);
+
+/// A failure that refuses a seam file.
+Failure wrong_seams(const std::string& message);
+/// The beginning of a text in a file, for messages.
+std::string cut_short(const std::string& text);
+
+}  // namespace fluidcarve

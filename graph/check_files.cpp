@@ -1,0 +1,151 @@
+#include "carve/base/frame_set.h"
+#include "formats/file/path_pattern.h"
+#include "graph/pipeline_builder.h"
+
+namespace fluidcarve {
+
+void PipelineBuilder::check_paths(const FrameSet& frames) {
+    const auto each_path = [&](Shape::Kind kind, const auto& visit) {
+        for (const auto& [node, value, references, unsure] : drafts_)
+            for (const auto& spec : node.type->params)
+                if (!unsure && spec.shape.kind == kind)
+                    if (const auto& path = spec.path(node.params.get()); !path.text().empty()) {
+                        const auto* const field = value->find(spec.name);
+                        visit(node, spec, path, field ? field->value.mark : node.mark);
+                    }
+    };
+    std::vector<FileClaim> claims;
+    std::vector<std::pair<Mark, std::string>> who;  ///< per claim
+    for (const auto& source : document_.sources) {
+        claims.push_back({PathPattern::literal(source.source->name), false});
+        who.emplace_back(source, source.source->name == document_.name
+                                     ? "this is the pipeline itself"
+                                     : "the pipeline extends it");
+    }
+    for (const auto kind : {Shape::Kind::input_path, Shape::Kind::output_path})
+        each_path(kind, [&](const Node& node, const ParamSpec&, const PathPattern& path,
+                            const Mark& mark) {
+            const bool writes = kind == Shape::Kind::output_path;
+            claims.push_back({path, writes});
+            who.emplace_back(
+                mark, fmt::format("'{}' {} it here", node.name, writes ? "writes" : "reads"));
+        });
+    const auto first = overwritten(claims, frames.frames());
+    auto claim = static_cast<std::size_t>(std::ranges::find(claims, true, &FileClaim::writes) -
+                                          claims.begin());
+    each_path(Shape::Kind::output_path, [&](const Node& node, const ParamSpec& spec,
+                                            const PathPattern& path, const Mark& mark) {
+        if (node.rate == Rate::frame && !path.per_frame() &&
+            (frames.frames().size() > 1 || sequences_.contains(node.name)))
+            add(problems_, mark,
+                fmt::format(
+                    "{} writes a file for every frame: '{}' needs a frame token such as ####",
+                    node.type->name, spec.name));
+        if (node.rate != Rate::frame && path.per_frame() && !blame_reader(node, mark, frames))
+            add(problems_, mark,
+                fmt::format(
+                    "{} writes one file here, not one per frame: '{}' can't have a frame token",
+                    node.type->name, spec.name));
+        if (const auto other = first[claim++])
+            add(problems_, mark,
+                fmt::format("'{}' would overwrite a file of the same pipeline", node.name),
+                who[*other].first, who[*other].second);
+    });
+}
+
+bool PipelineBuilder::blame_reader(const Node& writer, const Mark& mark, const FrameSet& frames) {
+    if (writer.rate != Rate::fixed || frames.frames().size() < 2) return false;
+    std::set<std::size_t> seen;
+    std::vector<std::size_t> open;
+    const auto take = [&](const Node& node) {
+        for (const auto& links : node.inputs)
+            for (const auto& link : links)
+                if (seen.insert(link.node).second) open.push_back(link.node);
+    };
+    for (take(writer); !open.empty();) {
+        const auto& node = drafts_[open.back()].node;
+        open.pop_back();
+        take(node);
+    }
+    // Of several readers, the one whose file has a number in its name.
+    std::optional<std::tuple<std::size_t, const ParamSpec*, std::string>> found;
+    for (const auto n : seen)
+        for (const auto& spec : drafts_[n].node.type->params) {
+            if (spec.shape.kind != Shape::Kind::input_path) continue;
+            const auto& text = spec.path(drafts_[n].node.params.get()).text();
+            const auto numbered = text.empty() ? text : with_frame_token(text);
+            if (!text.empty() && (!found || (std::get<2>(*found).empty() && !numbered.empty())))
+                found = {n, &spec, numbered};
+        }
+    if (!found) return false;
+    const auto& [n, spec, numbered] = *found;
+    const auto& reader = drafts_[n];
+    const auto* const field = reader.value->find(spec->name);
+    add(problems_, field ? field->value.mark : reader.node.mark,
+        fmt::format("{} reads one file for all {} frames, but '{}' writes one for each: '{}' "
+                    "needs a frame token, {}; or take the token from '{}'",
+                    reader.node.type->name, frames.frames().size(), writer.name, spec->name,
+                    numbered.empty() ? "such as ####" : fmt::format("as in '{}'", numbered),
+                    writer.name),
+        mark, fmt::format("'{}' writes a file per frame here", writer.name));
+    return true;
+}
+
+void PipelineBuilder::check_written(const FrameSet& frames) {
+    // Patterns of two kinds may name the same files.
+    const auto files_of = [&](const PathPattern& path) {
+        const auto file = [&](int frame) {
+            return std::filesystem::absolute(path.at(frame)).lexically_normal();
+        };
+        return std::pair(file(frames.frames().front()), file(frames.frames().back()));
+    };
+    for (const auto& reader : drafts_)
+        for (const auto& spec : reader.node.type->params) {
+            if (!spec.written || !reader.node.params) continue;
+            for (const auto& [name, path] : spec.written(reader.node.params.get())) {
+                // What nodes with faults write is not known.
+                bool found = drafts_.size() < known_.size();
+                std::vector<std::string> all;
+                for (const auto& writer : drafts_)
+                    for (const auto& other : writer.node.type->params) {
+                        if (&writer == &reader || other.shape.kind != Shape::Kind::output_path)
+                            continue;
+                        if (!writer.node.params) found = true;
+                        else if (const auto& output = other.path(writer.node.params.get());
+                                 !output.text().empty())
+                            found = found || files_of(output) == files_of(path),
+                            all.push_back(output.text());
+                    }
+                const auto& files = reader.value->find(spec.name)->value;
+                if (!found)
+                    add(problems_, files.find(name)->value.mark,
+                        fmt::format("{} parameter '{}': no other node writes {}{}",
+                                    reader.node.type->name, spec.name, path.text(),
+                                    all.empty() ? "" : did_you_mean(path.text(), all)));
+            }
+        }
+}
+
+void PipelineBuilder::check_confinement(const FrameSet& frames) {
+    const auto& confinement = Confinement::of_program();
+    if (!confinement.on()) return;
+    for (const auto& [node, value, references, unsure] : drafts_)
+        for (const auto& spec : node.type->params) {
+            const bool path = spec.shape.kind == Shape::Kind::input_path ||
+                              spec.shape.kind == Shape::Kind::output_path;
+            const auto* const field = value->find(spec.name);
+            if (!path || !field || !node.params) continue;
+            const auto& files = spec.path(node.params.get());
+            for (const auto frame : frames.frames()) {
+                const auto file = files.at(frame);
+                const auto refusal = confinement.refusal(file);
+                if (!refusal.empty())
+                    add(problems_, field->value.mark,
+                        fmt::format("{} parameter '{}': {} {}", node.type->name, spec.name, file,
+                                    refusal));
+                if (!refusal.empty() || !files.per_frame()) break;
+            }
+        }
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "carve/remap/joining.h"
+#include "carve/seam/carve_map.h"
+#include "graph/types/context.h"
+#include "graph/types/param.h"
+
+namespace fluidcarve {
+
+/// The carve map of a node with inputs `lattice` and `seams` and parameter `count`, in the
+/// context's frame.
+/// @param count  number of seams of the last set; its sign may be left out; auto: all
+/// @throws Failure as CarveMap; as softness_of(); if `count` removes and the seams insert, or asks
+///   for a part of a warp; if the node runs once for all frames, but the seams change from frame to
+///   frame
+CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams,
+                   const Auto<Count>& count, const Context& context,
+                   const JoinParams& join = {Join::cut, {}, {}, 0});
+/// The same in any given frame, for nodes that may carve a static source per frame: seams may
+/// change from frame to frame.
+CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams,
+                   const Auto<Count>& count, int frame,
+                   const JoinParams& join = {Join::cut, {}, {}, 0});
+
+}  // namespace fluidcarve

@@ -1,0 +1,76 @@
+#include "nodes/params/check_params.h"
+
+#include "carve/seam/seams.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace fluidcarve {
+
+void check_params(const SolverParams& params, NodeCheck& check) {
+    if (params.anchor.vertex < 0)
+        check.fault(
+            "anchor",
+            fmt::format(
+                "parameter 'anchor' must be low, middle, high or a vertex from 0 on, not {}",
+                params.anchor.vertex));
+    if (params.pair_window && check.stated("anchor"))
+        check.fault("anchor", "pairs of seams move neither end of the lattice: leave 'anchor' out");
+    if (params.pair_window && !params.window)
+        check.fault("pair_window",
+                    "parameter 'pair_window' needs a 'window' beside it, below it on the axis");
+    // Shares are vertices only once the lattice is known.
+    const auto window = vertices_of(params.window), pair_window = vertices_of(params.pair_window);
+    if (window && pair_window)
+        if (const auto fault =
+                pair_fault(*window, *params.window, *pair_window, *params.pair_window, false))
+            check.fault("pair_window", *fault);
+    if (params.pair_static && !params.pair_window)
+        check.fault("pair_static", "parameter 'pair_static' needs a 'pair_window'");
+    const bool field = check.connections("field") > 0,
+               forward =
+                   params.cost.value_or(field ? Cost::forward : Cost::backward) == Cost::forward;
+    if (forward && !field)
+        check.fault(
+            "cost",
+            "cost 'forward' needs a `field`, in which it counts the edges that seams leave behind");
+    if (!forward && field)
+        check.fault("field",
+                    "input 'field' serves `cost: forward`, but `cost` is backward: leave one of "
+                    "the two out");
+    for (const auto* const name : {"field_weight", "empty"})
+        if (!forward && check.stated(name))
+            check.fault(
+                name,
+                fmt::format("parameter '{}' needs a `field`, in which content and edges are seen",
+                            name));
+    const int thickness = params.thickness.value_or(1);
+    if (thickness > 1 && !field)
+        check.fault("thickness",
+                    "thick seams need a `field`: they run where it looks alike on both sides");
+    for (const auto* const name : {"cost", "spread"})
+        if (thickness > 1 && check.stated(name))
+            check.fault(
+                name,
+                fmt::format("parameter '{}' serves thin seams: leave it out, or set `thickness: 1`",
+                            name));
+    for (const auto& [name, of] :
+         {std::pair("window", window), std::pair("pair_window", pair_window)})
+        if (of && thickness > of->size())
+            check.fault("thickness", fmt::format("thickness {} is wider than {} [{}, {}], which "
+                                                 "has {} vertices; lower it, or widen the window",
+                                                 thickness, name, of->first, of->last, of->size()));
+    if (forward && thickness == 1 && window && pair_window &&
+        pair_window->first == window->last + 1)
+        check.fault("pair_window",
+                    "with a `field` there must be a vertex between window and pair_window, since a "
+                    "seam at the end of one changes the edges of the other");
+    if (forward && thickness == 1 && (params.static_ || params.pair_static))
+        check.fault(params.static_ ? "static" : "pair_static",
+                    "with a `field` the costs of thin seams are counted frame by frame, and no "
+                    "static ones are found; state a `thickness`, or leave the field "
+                    "out");
+}
+
+}  // namespace fluidcarve

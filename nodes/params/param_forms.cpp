@@ -1,0 +1,183 @@
+#include "nodes/params/param_forms.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace fluidcarve {
+
+namespace {
+
+using Length = WarpAmount::Length;
+
+std::optional<Length> parse_length(const Value& value, ValueReader& reader) {
+    const bool percent = value.kind == Value::Kind::scalar && value.text.ends_with('%');
+    auto number = value;
+    if (percent) number.text.pop_back();
+    const auto got = reader.number(number, false);
+    return got ? std::optional(Length{*got, percent}) : std::nullopt;
+}
+
+/// Reads `[[place, value], ...]`, places rising.
+/// @param parse  reads a value
+template <class Point, class Parse>
+std::optional<std::vector<Point>> parse_points(const Value::Field& field, bool along_w,
+                                               ValueReader& reader, const Parse& parse) {
+    const auto wanted = fmt::format("a list of points in '{}', [[place, {}], ...]", field.name,
+                                    field.name == "at" ? "amount" : "share");
+    const auto& list = field.value;
+    if (list.kind != Value::Kind::list) return reader.unwanted(list, wanted), std::nullopt;
+    if (list.items.empty())
+        return reader.fault(list, fmt::format("has no points in '{}': a curve needs at least one",
+                                              field.name)),
+               std::nullopt;
+    std::vector<Point> out;
+    for (const auto& item : list.items) {
+        if (item.kind != Value::Kind::list || item.items.size() != 2)
+            return reader.unwanted(item, wanted), std::nullopt;
+        const auto place = reader.number(item.items[0], false);
+        const auto got = parse(item.items[1]);
+        if (!place || !got) return std::nullopt;
+        if (along_w && (*place < 0 || *place > 1))
+            return reader.fault(item,
+                                fmt::format("has a point at {} of the way along w, which goes from "
+                                            "0, the first plane, to 1, the last one",
+                                            *place)),
+                   std::nullopt;
+        if (!out.empty() && *place < out.back().at + WarpAmount::least_step)
+            return reader.fault(item,
+                                fmt::format("has a point at {} behind one at {}: points must rise",
+                                            *place, out.back().at)),
+                   std::nullopt;
+        out.push_back({*place, *got});
+    }
+    return out;
+}
+
+std::optional<WarpAmount> parse_curve(const Value& value, ValueReader& reader) {
+    WarpAmount out;
+    for (const auto& field : value.fields)
+        if (field.name != "along" && field.name != "at" && field.name != "over")
+            return reader.fault(
+                       field.value,
+                       fmt::format("has no field '{}'; it has along, at and over", field.name)),
+                   std::nullopt;
+    const auto* const along = value.find("along");
+    const auto* const at = value.find("at");
+    const auto* const over = value.find("over");
+    if (!along || !at)
+        return reader.fault(
+                   value,
+                   fmt::format(
+                       "lacks '{}': a curve is {{along: w or time, at: [[place, amount], ...]}}",
+                       along ? "at" : "along")),
+               std::nullopt;
+    const auto dimension = ParamTraits<WarpAmount::Along>::parse(along->value, reader);
+    if (!dimension) return std::nullopt;
+    out.along = *dimension;
+    const bool along_w = out.along == WarpAmount::Along::w;
+    auto points = parse_points<WarpAmount::Point>(
+        *at, along_w, reader, [&](const Value& amount) { return parse_length(amount, reader); });
+    if (!points) return std::nullopt;
+    out.points = std::move(*points);
+    if (!over) return out;
+    auto shares = parse_points<WarpAmount::Share>(
+        *over, !along_w, reader, [&](const Value& share) { return reader.number(share, false); });
+    if (!shares) return std::nullopt;
+    out.shares = std::move(*shares);
+    return out;
+}
+
+}  // namespace
+
+Shape ParamTraits<Anchor>::shape() {
+    return {Shape::Kind::any_of,
+            {},
+            {{Shape::Kind::choice, {"low", "middle", "high"}, {}}, {Shape::Kind::integer, {}, {}}}};
+}
+
+std::optional<Anchor> ParamTraits<Anchor>::parse(const Value& value, ValueReader& reader) {
+    for (const auto at : {Anchor::At::low, Anchor::At::middle, Anchor::At::high})
+        if (value.kind == Value::Kind::scalar && value.text == text({at, 0})) return Anchor{at, 0};
+    if (const auto vertex = reader.number(value, true))
+        return Anchor{Anchor::At::vertex, static_cast<int>(*vertex)};
+    return std::nullopt;
+}
+
+std::string ParamTraits<Anchor>::text(const Anchor& anchor) { return to_text(anchor); }
+
+Shape ParamTraits<VertexRange>::shape() {
+    return {
+        Shape::Kind::any_of,
+        {},
+        {{Shape::Kind::interval, {}, {}}, {Shape::Kind::list, {}, {{Shape::Kind::text, {}, {}}}}}};
+}
+
+std::optional<VertexRange> ParamTraits<VertexRange>::parse(const Value& value,
+                                                           ValueReader& reader) {
+    const std::string form = "[first, last], whole vertices or shares of them such as [0%, 50%]";
+    if (value.kind != Value::Kind::list || value.items.size() != 2)
+        return reader.unwanted(value, form), std::nullopt;
+    const auto wanted = [&] {
+        return reader.fault(value, fmt::format("must be {}, not [{}, {}]", form,
+                                               value.items[0].text, value.items[1].text)),
+               std::nullopt;
+    };
+    std::array<double, 2> ends{};
+    const bool shares = value.items[0].text.ends_with('%');
+    for (std::size_t n = 0; n < 2; ++n) {
+        const std::string_view text = value.items[n].text;
+        if (value.items[n].kind != Value::Kind::scalar || text.ends_with('%') != shares)
+            return wanted();
+        const auto number = parse_number(text.substr(0, text.size() - shares));
+        if (!number || (!shares && *number != std::trunc(*number))) return wanted();
+        if (*number < 0 || *number > (shares ? 100 : 1e6))
+            return reader.fault(value,
+                                fmt::format("must be {}, not {}",
+                                            shares ? "from 0% to 100%" : "from 0 to 1e6", text)),
+                   std::nullopt;
+        ends[n] = *number;
+    }
+    if (ends[0] > ends[1])
+        return reader.fault(value, fmt::format("has its first vertex {} above its last one {}",
+                                               value.items[0].text, value.items[1].text)),
+               std::nullopt;
+    return VertexRange{ends[0], ends[1], shares};
+}
+
+std::string ParamTraits<VertexRange>::text(const VertexRange& range) { return text_of(range); }
+
+Shape ParamTraits<WarpAmount>::shape() {
+    // A percentage is no number in YAML.
+    const Shape length{
+        Shape::Kind::any_of, {}, {{Shape::Kind::number, {}, {}}, {Shape::Kind::text, {}, {}}}};
+    const Shape point{Shape::Kind::list, {}, {length}},
+        share{Shape::Kind::list, {}, {{Shape::Kind::number, {}, {}}}};
+    Shape curve{Shape::Kind::map, {}, {}};
+    curve.fields = {{"along", ParamTraits<WarpAmount::Along>::shape()},
+                    {"at", {Shape::Kind::list, {}, {point}}},
+                    {"over", {Shape::Kind::list, {}, {share}}}};
+    return {Shape::Kind::any_of, {}, {length.of[0], length.of[1], curve}};
+}
+
+std::optional<WarpAmount> ParamTraits<WarpAmount>::parse(const Value& value, ValueReader& reader) {
+    if (value.kind == Value::Kind::map) return parse_curve(value, reader);
+    if (value.kind != Value::Kind::scalar) {
+        reader.unwanted(value,
+                        "a number of vertices, a percentage such as -10%, or {along: w or time, "
+                        "at: [[place, amount], ...]}");
+        return std::nullopt;
+    }
+    const auto length = parse_length(value, reader);
+    if (!length) return std::nullopt;
+    WarpAmount out;
+    out.whole = *length;
+    return out;
+}
+
+std::string ParamTraits<WarpAmount>::text(const WarpAmount& amount) { return text_of(amount); }
+
+}  // namespace fluidcarve

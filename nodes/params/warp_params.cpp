@@ -1,0 +1,185 @@
+#include "nodes/params/warp_params.h"
+
+#include "carve/base/failure.h"
+#include "carve/seam/seams.h"
+#include "carve/warp/find_warp.h"
+#include "graph/types/node_type.h"
+#include "nodes/params/warp_amount_file.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+namespace fluidcarve {
+
+namespace {
+
+/// Curves of a ring must meet within this, in vertices.
+constexpr double most_gap = 1e-3;
+
+/// Requires that a window can be squeezed by so many vertices.
+/// @param name  of the window's parameter
+void require_squeezable(const std::string& name, const Window& window, double squeezed,
+                        const std::string& where) {
+    const double room = most_squeezed * (window.size() - 1);
+    if (squeezed <= room) return;
+    throw Failure(
+        fmt::format("the amount squeezes {} [{}, {}] by {:.6g} vertices{}, but at most {:.6g} are "
+                    "possible, {:g} of its {} intervals; ask for less{}",
+                    name, window.first, window.last, squeezed, where, room, most_squeezed,
+                    window.size() - 1, name == "window" ? " or widen the window" : " or widen it"));
+}
+
+std::optional<std::string> one_vertex(const std::string& name, const Window& window) {
+    if (window.size() > 1) return std::nullopt;
+    return fmt::format("{} [{}, {}] has one vertex; a warp needs at least two", name, window.first,
+                       window.last);
+}
+
+}  // namespace
+
+void check_params(const WarpParams& params, NodeCheck& check) {
+    if (params.anchor.vertex < 0)
+        check.fault(
+            "anchor",
+            fmt::format(
+                "parameter 'anchor' must be low, middle, high or a vertex from 0 on, not {}",
+                params.anchor.vertex));
+    if (params.pair_window && check.stated("anchor"))
+        check.fault("anchor",
+                    "with a 'pair_window' neither end of the lattice moves: leave 'anchor' out");
+    // Shares are vertices only once the lattice is known.
+    const auto window = vertices_of(params.window), pair_window = vertices_of(params.pair_window);
+    for (const auto& [name, of] :
+         {std::pair("window", window), std::pair("pair_window", pair_window)})
+        if (of)
+            if (const auto fault = one_vertex(name, *of)) check.fault(name, *fault);
+    if (params.pair_window && !params.window)
+        check.fault("pair_window",
+                    "parameter 'pair_window' needs a 'window' beside it, below it on the axis");
+    if (window && pair_window)
+        if (const auto fault =
+                pair_fault(*window, *params.window, *pair_window, *params.pair_window, true))
+            check.fault("pair_window", *fault);
+    const bool from_file = !params.amount_file.text().empty();
+    if (!params.amount && !from_file)
+        check.fault("amount",
+                    "warp.solve needs an 'amount', such as -7.25, -10% or {along: w, at: [[0, 0], "
+                    "[1, -12]]}, or a CSV file with one in 'amount_file'");
+    if (params.amount && from_file)
+        check.fault(
+            "amount_file",
+            "'amount_file' states the amount, and 'amount' does so, too; leave one of the two out");
+    if (params.rest && check.connections("after") == 0)
+        check.fault("rest",
+                    "'rest' needs `after`: the seams that are carved before, so that the warp "
+                    "makes the rest of 'amount'");
+    if (params.rest && (from_file || (params.amount && params.amount->varies())))
+        check.fault("rest",
+                    "'rest' is of a single 'amount', not of a curve, since seams are alike in all "
+                    "planes and frames; leave one of the two out");
+    if (params.rest && params.pair_window)
+        check.fault("rest",
+                    "with a 'pair_window' the size stays, so that there is no rest; leave one of "
+                    "the two out");
+    if (params.amount_file.per_frame())
+        check.fault("amount_file",
+                    "parameter 'amount_file' can't have a frame token: one file holds the amounts "
+                    "of all frames, in a column 'time'");
+    if (params.static_ && params.amount && params.amount->varies_along(WarpAmount::Along::time))
+        check.fault("static",
+                    "a static warp is the same in all frames, but 'amount' changes over time; "
+                    "leave one of the two out");
+    if (params.axis == Axis::w && params.amount &&
+        params.amount->varies_along(WarpAmount::Along::w))
+        check.fault("amount",
+                    "'amount' changes along w, which is the axis that is warped; state one amount, "
+                    "or let it change over time");
+    if (params.factor && *params.factor != 1 && *params.factor != 2 && *params.factor != 4)
+        check.fault("factor", fmt::format("parameter 'factor' must be auto, 1, 2 or 4, not {}",
+                                          *params.factor));
+    if (check.stated("field_weight") && check.connections("field") == 0)
+        check.fault("field_weight",
+                    "parameter 'field_weight' needs a `field`, in which edges are seen");
+}
+
+WarpAmount amount_of(const WarpParams& params) {
+    if (params.amount) return *params.amount;
+    const auto path = params.amount_file.at(0);
+    auto out = read_amounts(path);
+    if (params.axis == Axis::w && out.varies_along(WarpAmount::Along::w))
+        throw Failure(path +
+                          ": its amounts change along w, which is the axis that is warped; leave "
+                          "out the column of places",
+                      Failure::Kind::input);
+    if (params.static_ && out.varies_along(WarpAmount::Along::time))
+        throw Failure(path +
+                          ": its amounts change over time, but a static warp is the same in all "
+                          "frames; leave out the column 'time', or 'static'",
+                      Failure::Kind::input);
+    return out;
+}
+
+Window window_of(const Auto<VertexRange>& window, int size) {
+    return window ? window->of(size) : Window{0, size - 1};
+}
+
+double place_along(int k, int slices, bool closed) {
+    const int planes = closed ? slices : slices - 1;
+    return planes > 0 ? static_cast<double>(k) / planes : 0;
+}
+
+void require_fits(const WarpParams& params, const WarpAmount& amount,
+                  const std::array<int, 3>& shape, bool closed, const std::vector<int>& frames,
+                  const std::string& space) {
+    const int size = shape[dimension(params.axis)];
+    const auto vertices =
+        fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(params.axis), space, size - 1);
+    for (const auto& [name, stated] :
+         {std::pair("window", params.window), std::pair("pair_window", params.pair_window)}) {
+        if (!stated) continue;
+        const auto window = stated->of(size);
+        if (window.last > size - 1)
+            throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name,
+                                      ParamTraits<VertexRange>::text(*stated), vertices));
+        if (const auto fault = one_vertex(name, window)) throw Failure(*fault);
+    }
+    if (params.window && params.pair_window)
+        if (const auto fault = pair_fault(params.window->of(size), *params.window,
+                                          params.pair_window->of(size), *params.pair_window, true))
+            throw Failure(*fault);
+    if (params.anchor.vertex > size - 1)
+        throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}",
+                                  params.anchor.vertex, vertices));
+    if (size < 2)
+        throw Failure(fmt::format("a warp needs two vertices along {}{}, but there is one",
+                                  to_text(params.axis), space));
+    const bool ring = closed && amount.varies_along(WarpAmount::Along::w);
+    for (const int frame : frames) {
+        for (int k = 0; k < shape[2]; ++k) {
+            const double wanted = amount.at(place_along(k, shape[2], closed), frame, size);
+            const auto where =
+                amount.varies() ? fmt::format(" at plane {} in frame {}", k, frame) : std::string();
+            require_squeezable("window", window_of(params.window, size), -wanted, where);
+            if (params.pair_window)
+                require_squeezable("pair_window", window_of(params.pair_window, size), wanted,
+                                   where);
+            else if (size + wanted > most_vertices)
+                throw Failure(fmt::format(
+                    "an amount of {:.6g}{} makes more than {} vertices along {}; ask for less",
+                    wanted, where, most_vertices, to_text(params.axis)));
+            if (!amount.varies_along(WarpAmount::Along::w)) break;
+        }
+        const double first = amount.at(0, frame, size), last = amount.at(1, frame, size);
+        if (ring && std::abs(first - last) > most_gap)
+            throw Failure(
+                fmt::format("the lattice is closed, but 'amount' is {:.6g} where it begins and "
+                            "{:.6g} where it ends, which is the same plane, in frame {}; give the "
+                            "curve the same amount at 0 and at 1",
+                            first, last, frame));
+        if (!amount.varies_along(WarpAmount::Along::time)) break;
+    }
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,364 @@
+#include "nodes/remap.h"
+
+#include "carve/base/failure.h"
+#include "carve/field/filter.h"
+#include "carve/remap/finish/finish.h"
+#include "carve/remap/finish/tears.h"
+#include "carve/remap/geometry/mesh.h"
+#include "carve/remap/geometry/points.h"
+#include "carve/remap/grid.h"
+#include "carve/remap/joining.h"
+#include "carve/remap/seam_filter.h"
+#include "carve/seam/carve_map.h"
+#include "graph/types/node_type.h"
+#include "nodes/params/carve_inputs.h"
+#include "nodes/params/join_params.h"
+#include "nodes/params/rim.h"
+#include "nodes/result/carve_result.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace fluidcarve {
+
+template <>
+struct ChoiceNames<Interpolation> {
+    static constexpr std::array names = {std::pair{"linear", Interpolation::linear},
+                                         std::pair{"quadratic", Interpolation::quadratic},
+                                         std::pair{"cubic", Interpolation::cubic}};
+};
+
+namespace {
+
+enum class Conserve { none, mass };
+
+}  // namespace
+
+template <>
+struct ChoiceNames<Conserve> {
+    static constexpr std::array names = {std::pair{"none", Conserve::none},
+                                         std::pair{"mass", Conserve::mass}};
+};
+
+namespace {
+
+struct RemapGrids {
+    struct Params : JoinParams {
+        Auto<Count> count;
+        Interpolation interpolation = Interpolation::linear;
+        Auto<bool> renormalize;
+        Conserve conserve = Conserve::none;
+        std::vector<std::string> densities{"density"};
+        bool transform_vectors = false;
+        Rim rim = Rim::cut;
+        double rim_fade = 8;
+    };
+    struct Ports {
+        Ref<Volume> source;
+        Ref<Lattice> lattice;
+        List<Seams> seams;
+        Ref<Volume> volume;
+    };
+
+    static void check(const Params& params, NodeCheck& check) {
+        check_fade(params.rim, check);
+        check_join(params, check);
+    }
+
+    static void run(const Params& params, Ports& io, Context& context) {
+        auto map = carve_map(*io.lattice, io.seams, params.count, context, params);
+        if (map.empty()) {
+            io.volume = io.source;
+            return;
+        }
+        if (params.rim == Rim::fade) map.fade(params.rim_fade);
+        for (const auto& tear : find_tears(*io.source, *io.lattice, map))
+            context.warn(to_text(tear));
+        const Finish finish{
+            params.renormalize,
+            params.conserve == Conserve::mass ? params.densities : std::vector<std::string>(),
+            params.transform_vectors};
+        const auto carved = carve_volume(*io.source, *io.lattice, map, params.interpolation);
+        io.volume =
+            std::make_shared<Volume>(finished(*io.source, carved, *io.lattice, map, finish));
+        context.report(grids_by_frame,
+                       {{context.per_frame() ? std::to_string(context.frame()) : "all",
+                         compared(*io.source, *io.volume)}});
+    }
+
+    static void conclude(const Params&, const nlohmann::ordered_json& frames, Context& context) {
+        tell_result(frames, context);
+    }
+};
+
+}  // namespace
+
+NodeType remap_grids() {
+    return declare_join(
+        Declare<RemapGrids>("remap.grids",
+                            "Carves seams from the grids of a volume, or inserts them: all at "
+                            "once, from the untouched input.")
+            .input("source", &RemapGrids::Ports::source, "The volume to carve, or one grid.")
+            .input("lattice", &RemapGrids::Ports::lattice,
+                   "The lattice in which the seams were found.")
+            .input("seams", &RemapGrids::Ports::seams,
+                   "Seams or a warp, or a list of them in the order of carving.")
+            .param("count", &RemapGrids::Params::count, Unit::seams, any_number(),
+                   "Number of seams to carve, from the first on. If there are several sets, it "
+                   "counts in the last one. The sign may be left out. auto is all. A "
+                   "warp is "
+                   "carved as a whole: leave `count` out.")
+            .param("interpolation", &RemapGrids::Params::interpolation,
+                   "How values are read between voxels, if the lattice's vertices are not voxels.")
+            .param("renormalize", &RemapGrids::Params::renormalize,
+                   "Whether level sets (float or double, class level set) become distances again "
+                   "where they moved, with a new narrow band there. auto: if their "
+                   "voxels are cubes, and their background is above 0.")
+            .param("conserve", &RemapGrids::Params::conserve,
+                   "mass: the grids named in `densities` become denser where space is compressed "
+                   "and thinner where it is stretched, so that their sum stays. A "
+                   "seam's "
+                   "share is spread over as many voxels on both sides as there are seams.")
+            .param("densities", &RemapGrids::Params::densities,
+                   "For `conserve`: float or double grids that hold amounts per volume, such as "
+                   "density and fuel, but not temperature.")
+            .param("transform_vectors", &RemapGrids::Params::transform_vectors,
+                   "Whether vectors turn and stretch with the space around them, as the velocities "
+                   "of a carved flow do. This applies to all grids of float "
+                   "vectors, "
+                   "also those in three parts: carve colours by a node of their own.")
+            .param("rim", &RemapGrids::Params::rim,
+                   "How the carve ends at the lattice's rims beside the carved axis (the rims "
+                   "along v if u is carved) and at open ends. cut: it stops there; "
+                   "content "
+                   "that crosses the rim may tear, and a warning says so. fade: displacements go "
+                   "linearly to 0 towards the rim, and so does what a seam takes or "
+                   "adds.")
+            .param("rim_fade", &RemapGrids::Params::rim_fade, Unit::vertices, between(1, 10000),
+                   fade_doc)
+            .output("volume", &RemapGrids::Ports::volume,
+                    "The carved source: same grids, transforms and metadata. The report tells what "
+                    "the carve did to each float grid.")
+            .names_as("volume", "source")
+            .concludes(grids_by_frame));
+}
+
+namespace {
+
+struct RemapMesh {
+    struct Params : JoinParams {
+        Auto<Count> count;
+        Rim rim = Rim::cut;
+        double rim_fade = 8;
+        bool static_ = false;
+    };
+    struct Ports {
+        Ref<Mesh> source;
+        Ref<Lattice> lattice;
+        List<Seams> seams;
+        Ref<Mesh> mesh;
+    };
+
+    static bool animates(const Params& params) { return !params.static_; }
+    static void check(const Params& params, NodeCheck& check) {
+        check_fade(params.rim, check);
+        check_join(params, check);
+    }
+
+    static void run(const Params& params, Ports& io, Context& context) {
+        if (context.per_frame()) {
+            io.mesh = carved(params, io, context.frame(), context);
+            return;
+        }
+        for (const int frame : io.seams.back()->frames) {
+            const auto mesh = carved(params, io, frame, context);
+            if (!io.mesh) io.mesh = mesh;
+            const auto& [first, now] =
+                std::mismatch(io.mesh->points.begin(), io.mesh->points.end(), mesh->points.begin());
+            if (first == io.mesh->points.end()) continue;
+            throw Failure(
+                fmt::format("the mesh is one file for all frames, but seams move vertex {} "
+                            "(counted from 0) differently in frame {} than in frame {}; leave "
+                            "`static` out to get one mesh per frame, or `protect` the mesh from "
+                            "seams with a mask.mesh",
+                            now - mesh->points.begin(), frame, io.seams.back()->frames.front()));
+        }
+    }
+
+private:
+    static Ref<Mesh> carved(const Params& params, const Ports& io, int frame, Context& context) {
+        auto map = carve_map(*io.lattice, io.seams, params.count, frame, params);
+        if (map.empty()) return io.source;
+        if (params.rim == Rim::fade) map.fade(params.rim_fade);
+        auto out = carve_mesh(*io.source, *io.lattice, map);
+        for (const auto& warning : warnings_of(out)) context.warn(warning);
+        return std::make_shared<Mesh>(std::move(out.mesh));
+    }
+};
+
+}  // namespace
+
+NodeType remap_mesh() {
+    using Params = RemapMesh::Params;
+    using Ports = RemapMesh::Ports;
+    return declare_join(
+        Declare<RemapMesh>("remap.mesh",
+                           "Carves a mesh as remap.grids carves volumes. Its vertices move with "
+                           "the space around them; faces, UVs and everything else stay.")
+            .input("source", &Ports::source,
+                   "The mesh. A mesh that is the same in all frames becomes one per frame, since "
+                   "seams move (see `static`). Where a seam is removed, the mesh is "
+                   "compressed; where one is inserted, it is stretched. Normals of the file stay "
+                   "as they are.")
+            .input("lattice", &Ports::lattice, "The lattice in which the seams were found.")
+            .input("seams", &Ports::seams,
+                   "Seams or a warp, or a list of them in the order of carving.")
+            .param("count", &Params::count, Unit::seams, any_number(),
+                   "Number of seams to carve, from the first on. If there are several sets, it "
+                   "counts in the last one. The sign may be left out. auto is all. A "
+                   "warp is "
+                   "carved as a whole: leave `count` out.")
+            .param("rim", &Params::rim, "As in remap.grids; use the same value for both.")
+            .param("rim_fade", &Params::rim_fade, Unit::vertices, between(1, 10000), fade_doc)
+            .param("static", &Params::static_,
+                   "Whether a mesh that is one file for all frames stays one file. Seams must then "
+                   "move it the same way in all frames; otherwise the node fails. "
+                   "They do so if they are the same in all frames, as in windows with `static: "
+                   "true`, or if they never pass through the mesh: `protect` its "
+                   "voxels "
+                   "(mask.mesh).")
+            .output("mesh", &Ports::mesh,
+                    "The carved source. Vertices outside the lattice, or where nothing moves, are "
+                    "the same to the last bit."));
+}
+
+namespace {
+
+struct RemapPoints {
+    struct Params : JoinParams {
+        Auto<Count> count;
+        Rim rim = Rim::cut;
+        double rim_fade = 8;
+        double jitter = default_jitter;
+    };
+    struct Ports {
+        Ref<Points> source;
+        Ref<Lattice> lattice;
+        List<Seams> seams;
+        Ref<Points> points;
+    };
+
+    static void check(const Params& params, NodeCheck& check) {
+        check_fade(params.rim, check);
+        check_join(params, check);
+    }
+
+    static void run(const Params& params, Ports& io, Context& context) {
+        auto map = carve_map(*io.lattice, io.seams, params.count, context, params);
+        if (params.rim == Rim::fade) map.fade(params.rim_fade);
+        const auto& source = *io.source;
+        const auto carved =
+            carve_points(source.positions(), source.identities(), *io.lattice, map, params.jitter);
+        io.points = carved.changed() ? std::make_shared<Points>(with_images(source, carved.images))
+                                     : io.source;
+        const nlohmann::ordered_json counts{{"points", source.size()},
+                                            {"moved", carved.moved},
+                                            {"deleted", carved.deleted},
+                                            {"copied", carved.copied}};
+        context.report("points",
+                       {{context.per_frame() ? std::to_string(context.frame()) : "all", counts}});
+    }
+};
+
+}  // namespace
+
+NodeType remap_points() {
+    return declare_join(
+        Declare<RemapPoints>("remap.points",
+                             "Carves seams from points, or inserts them. Particles move; those "
+                             "that a removed seam takes are deleted, and those "
+                             "where a seam is inserted are doubled.")
+            .input("source", &RemapPoints::Ports::source, "The points to carve.")
+            .input("lattice", &RemapPoints::Ports::lattice,
+                   "The lattice in which the seams were found. Points outside it stay bit for bit.")
+            .input("seams", &RemapPoints::Ports::seams,
+                   "Seams or a warp, or a list of them in the order of carving.")
+            .param("count", &RemapPoints::Params::count, Unit::seams, any_number(),
+                   "Number of seams to carve, from the first on. If there are several sets, it "
+                   "counts in the last one. The sign may be left out. auto is all. A "
+                   "warp is "
+                   "carved as a whole: leave `count` out.")
+            .param("rim", &RemapPoints::Params::rim,
+                   "How the carve ends at the lattice's rims, as in remap.grids; use the same "
+                   "value for both.")
+            .param("rim_fade", &RemapPoints::Params::rim_fade, Unit::vertices, between(1, 10000),
+                   fade_doc)
+            .param("jitter", &RemapPoints::Params::jitter, Unit::vertices, between(0, 0.5),
+                   "Where seams are inserted, a copy stands one vertex from its original, plus a "
+                   "random offset of up to this size along each axis. The offset is "
+                   "always the same for the same point. It stays the same from frame to frame if "
+                   "points have a whole number `id`; without one, set 0 if copies "
+                   "must not tremble.")
+            .output("points", &RemapPoints::Ports::points,
+                    "The carved source, with all attributes and groups. The report's section "
+                    "`points` tells how many were moved, deleted and copied in each "
+                    "frame."));
+}
+
+namespace {
+
+struct FilterSeam {
+    struct Params {
+        Auto<Count> count;
+        FilterMode filter = FilterMode::gaussian;
+        int width = 1;
+    };
+    struct Ports {
+        Ref<Volume> source;
+        Ref<Lattice> lattice;
+        List<Seams> seams;
+        Ref<Volume> volume;
+    };
+    static void run(const Params& params, Ports& io, Context& context) {
+        if (std::ranges::any_of(io.seams, [](const auto& set) { return set->warp.has_value(); }))
+            throw Failure(
+                "a warp is among the `seams`, but it leaves no seams to smooth along, since it is "
+                "smooth everywhere; leave this node out");
+        const auto map = carve_map(*io.lattice, io.seams, params.count, context);
+        if (map.empty()) io.volume = io.source;
+        else
+            io.volume = std::make_shared<Volume>(
+                seam_filtered(*io.source, *io.lattice, map, params.filter, params.width));
+    }
+};
+
+}  // namespace
+
+NodeType filter_seam() {
+    return Declare<FilterSeam>("filter.seam",
+                               "Smooths a carved volume along the seams that were carved from it, "
+                               "and nowhere else.")
+        .input("source", &FilterSeam::Ports::source,
+               "The carved volume, or one grid of it. Grids of whole numbers, booleans and masks "
+               "stay as they are.")
+        .input("lattice", &FilterSeam::Ports::lattice, "The lattice in which it was carved.")
+        .input("seams", &FilterSeam::Ports::seams,
+               "The seams that were carved, or the list of seam sets in the order of carving. No "
+               "warp: it leaves no seams.")
+        .param("count", &FilterSeam::Params::count, Unit::seams, any_number(),
+               "The `count` with which the volume was carved. auto is all seams.")
+        .param("filter", &FilterSeam::Params::filter,
+               "mean: of a cube of voxels. median: of the same cube; removes specks and keeps "
+               "edges. gaussian: four means in a row, within 5 % of a true "
+               "Gaussian.")
+        .param("width", &FilterSeam::Params::width, Unit::voxels, between(1, 8),
+               "Voxels from the middle of the cube to its sides: 1 is a cube of 3 x 3 x 3 voxels.")
+        .output("volume", &FilterSeam::Ports::volume,
+                "The source, with filtered values at the active voxels of cells that a seam "
+                "divides. All other voxels are bit for bit the same.")
+        .names_as("volume", "source");
+}
+
+}  // namespace fluidcarve

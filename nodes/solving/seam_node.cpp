@@ -1,0 +1,108 @@
+#include "nodes/solving/seam_node.h"
+
+#include "carve/solver/task/space.h"
+#include "carve/solver/task/task.h"
+#include "nodes/solving/placement.h"
+#include "nodes/solving/report.h"
+#include "nodes/solving/solve_task.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cstdlib>
+#include <utility>
+
+namespace fluidcarve {
+
+namespace {
+
+std::string half_size_note(const CarvedSpace& space) {
+    return fmt::format(
+        "solves at half size, since a frame of the lattice has {} vertices: seams come in pairs, "
+        "side by side; `finest: 1` solves at full size, and "
+        "takes about 16 times the memory and time",
+        fmt::join(space.lattices().front()->shape, " x "));
+}
+
+}  // namespace
+
+void SeamNode::foresee(const Params& params, Outlook& ahead) {
+    const auto* const energy = ahead.region("energy");
+    if (params.count.value == 0 || !energy) return;
+    if (const auto fault = placement_fault(*energy, ahead.region("lattice")); !fault.empty())
+        ahead.warn(fault);
+}
+
+std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports& io,
+                                              Context& context) {
+    // The first frame tells, before all others are read. What is left after other seams is known
+    // only later.
+    if (context.place() == 0 && io.after.empty())
+        require_vertex_left(params, io.lattice->shape[dimension(params.axis)], "");
+    if (context.place() == 0) require_ends(params, *io.lattice);
+    const auto mask = [](const Ref<AnyGrid>& port) { return port ? port->grid.get() : nullptr; };
+    const FrameGrids grids{*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
+    const int finest = finest_for(params, *io.lattice);
+    require_frame_fits(grids, *io.lattice, context.memory_budget(), finest);
+    return std::make_shared<FrameEnergy>(
+        sample_frame(grids, io.lattice, params.axis, params.measure, finest));
+}
+
+void SeamNode::resume(const Payload& result, const nlohmann::ordered_json& entry) {
+    before_ = {result.as<Seams>(), entry};
+    end_shortfall(before_.report);
+}
+
+Extent SeamNode::extent(const Payload& result) {
+    const auto seams = result.as<Seams>();
+    return {seams->seams.size(), static_cast<std::size_t>(seams->carved())};
+}
+
+std::size_t SeamNode::wanted(const Params& params, std::size_t vertices) {
+    return static_cast<std::size_t>(std::abs(params.count.of(static_cast<int>(vertices))));
+}
+
+Payload SeamNode::first(const Payload& result, std::size_t count, nlohmann::ordered_json& entry) {
+    auto out = ReportedSeams{result.as<Seams>(), entry}.first(count);
+    entry = std::move(out.report);
+    return Payload(std::move(out.seams));
+}
+
+std::vector<std::string> SeamNode::warnings(const nlohmann::ordered_json& entry) {
+    return seam_warnings(entry);
+}
+
+bool SeamNode::exhausted(const nlohmann::ordered_json& entry) { return falls_short(entry); }
+
+void SeamNode::solve(const Params& params, Ports& io, Context& context, const FindSeam& find,
+                     const StartFrom& start_from) {
+    const CarvedSpace space(gathered_.lattices(), io.after, context.frames());
+    const int finest = gathered_.finest();
+    const auto task = task_of(params, space, finest);
+    auto empty = empty_seams(params, task, space);
+    ReportedSeams found{std::make_shared<Seams>(empty), empty_report(empty)};
+    if (task.count > 0) {
+        gathered_.require_met();
+        // Before the search, which may take long.
+        for (const auto& warning : gathered_.warnings()) context.warn_at_once(warning);
+        if (finest > 1 && !params.finest) context.warn_at_once(half_size_note(space));
+        auto [energy, thick] = gathered_.take(params, space, context.limits());
+        if (thick) empty.thickness = thick->thickness * finest;
+        // Seams of full size don't tell which ones of half size they came from.
+        if (finest > 1) before_ = {};
+        // An unfinished larger set may hold more pairs than are wanted.
+        if (before_.seams) before_ = before_.first(static_cast<std::size_t>(task.count));
+        found = solve_task(energy,
+                           {task, space, empty, before_, gathered_.marks(), find, start_from,
+                            params.bound_passes, hold_after_, params.best_effort, finest, thick},
+                           context);
+    }
+    if (task.count < task.asked && !falls_short(found.report))
+        set_shortfall(found.report, static_cast<std::size_t>(task.asked), task.limit);
+    for (const auto& warning : seam_warnings(found.report)) context.warn(warning);
+    if (const auto fault = space.extension_fault(*found.seams); !fault.empty()) context.warn(fault);
+    context.report("seams", found.report);
+    io.seams = std::move(found.seams);
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,163 @@
+#include "nodes/solving/solve_task.h"
+
+#include "carve/solver/task/no_more.h"
+#include "carve/solver/task/task_bounds.h"
+#include "nodes/solving/report.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+namespace fluidcarve {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// A search under way: the pairs that it has found, how far it is, and when it last handed over
+/// what there was.
+class TaskSearch {
+public:
+    TaskSearch(EnergyVolume& energy, const SearchSetup& setup, const Context& context)
+        : energy_(energy),
+          task_(setup.task),
+          setup_(setup),
+          context_(context),
+          taken_(bytes_taken()) {}
+
+    ReportedSeams run() {
+        // The pair window comes first: seams there do not move the window below.
+        if (task_.pairs) pairs_ = find(*task_.pairs);
+        if (pairs_.no_more) count_ = pairs_.no_more->found;
+        const auto found = find(task_.seams);
+        auto out = whole(found);
+        if (static_cast<int>(found.seams.size()) == task_.count) return out;
+        // A pair without its seam is none.
+        out = out.first(found.seams.size());
+        const auto& part = found.no_more ? task_.seams : *task_.pairs;
+        set_shortfall(out.report, static_cast<std::size_t>(task_.asked),
+                      where_no_more(found.no_more ? *found.no_more : *pairs_.no_more, task_, part,
+                                    setup_.space));
+        return out;
+    }
+
+private:
+    /// Bytes of energies and seams, which share the budget.
+    std::uint64_t bytes_taken() const {
+        const auto seams = static_cast<std::uint64_t>(task_.count) * (task_.pairs ? 2 : 1) *
+                           columns_of(task_, setup_.space).count() * sizeof(std::uint16_t);
+        return energy_.bytes() + seams;
+    }
+
+    /// How much of this search's work a part makes, from 0 to 1: its share of the seams that are
+    /// still missing.
+    double share_of(const SeamTask::Part& part) const {
+        if (!task_.pairs) return 1;
+        const auto left = [&](bool pair) {
+            const auto& before = setup_.before.seams;
+            return std::max(0, task_.count - static_cast<int>(!before ? 0
+                                                              : pair  ? before->pairs.size()
+                                                                      : before->seams.size()));
+        };
+        const int all = left(true) + left(false);
+        return all > 0 ? static_cast<double>(left(part.pair)) / all : 0;
+    }
+
+    FoundSeams find(const SeamTask::Part& part) {
+        const double share = share_of(part);
+        const auto tick = [&](double fraction) {
+            context_.check_cancelled();
+            context_.progress(done_ + share * fraction);
+        };
+        // Seams that do not fit beside the energies go to disk.
+        const bool fits = taken_ <= context_.memory_budget();
+        KeepSeam keep;
+        if (!fits)
+            keep = [&](const SeamEntries& entries) {
+                return SeamEntries::in_file(entries, context_.work_folder());
+            };
+        Continued continued;
+        if (const auto& before = setup_.before.seams)
+            continued.before = part.pair ? before->pairs : before->seams;
+        continued.start_from = setup_.start_from;
+        continued.found = [&](const FoundSeams& now) {
+            // After the last seam, the whole set is delivered anyway.
+            if (part.pair || now.seams.size() < static_cast<std::size_t>(count_)) hold(now, part);
+        };
+        continued.memory_budget = fits ? context_.memory_budget() - taken_ : 0;
+        continued.folder = context_.work_folder();
+        continued.best_effort = setup_.best_effort;
+        continued.thick = setup_.thick;
+        if (setup_.finest > 1)
+            continued.full =
+                FullSize{columns_of(task_, setup_.space), task_.shape[dimension(task_.axis)]};
+        TaskBounds bounds(
+            setup_.bound_passes, static_cast<int>(continued.before.size()),
+            [&] { context_.check_cancelled(); }, continued.memory_budget, continued.folder);
+        continued.bounds = &bounds;
+        try {
+            auto out = find_seams(energy_, part.kind, count_, part.window, setup_.find, tick, keep,
+                                  part.static_, continued);
+            done_ += share;
+            return out;
+        } catch (const NoSeam& none) {
+            throw Failure(why_no_more(none, task_, part, setup_.space));
+        }
+    }
+
+    /// Delivers the seams found so far as a complete set.
+    void hold(const FoundSeams& now, const SeamTask::Part& part) {
+        if (Clock::now() - held_ < setup_.hold_after) return;
+        const auto so_far = part.pair ? only_pairs(now) : whole(now);
+        context_.report("seams", so_far.report);
+        context_.hold(Payload(so_far.seams));
+        held_ = Clock::now();
+    }
+
+    /// The set while its pairs are found. They come first, so there may be more of them than of the
+    /// seams, which are those found before.
+    ReportedSeams only_pairs(const FoundSeams& pairs) const {
+        const auto& before = setup_.before;
+        auto set = std::make_shared<Seams>(setup_.empty);
+        if (before.seams) set->seams = before.seams->seams;
+        set->pairs = pairs.seams;
+        auto report = before.seams ? before.report : empty_report(*set);
+        describe_seams(pairs, "pair_", setup_.marks, report);
+        report["wall_s"] = wall_seconds(before.report, pairs, {});
+        return {std::move(set), std::move(report)};
+    }
+
+    /// The set with all its pairs.
+    ReportedSeams whole(const FoundSeams& found) const {
+        auto set = std::make_shared<Seams>(setup_.empty);
+        set->seams = found.seams;
+        set->pairs = pairs_.seams;
+        set->find_shifts();
+        auto report = empty_report(*set);
+        if (setup_.finest > 1) report["finest"] = setup_.finest;
+        if (set->thick()) report["thickness"] = set->thickness;
+        describe_seams(found, "", setup_.marks, report);
+        if (task_.pairs) describe_seams(pairs_, "pair_", setup_.marks, report);
+        report["wall_s"] = wall_seconds(setup_.before.report, pairs_, found);
+        return {std::move(set), std::move(report)};
+    }
+
+    EnergyVolume& energy_;
+    const SeamTask& task_;
+    const SearchSetup& setup_;
+    const Context& context_;
+    const std::uint64_t taken_;
+    int count_ = task_.count;  ///< of seams to find; after the pairs, as many as there are pairs
+    FoundSeams pairs_;
+    double done_ = 0;  ///< share of the work, 0 to 1
+    Clock::time_point held_ = Clock::now();
+};
+
+}  // namespace
+
+ReportedSeams solve_task(EnergyVolume& energy, const SearchSetup& setup, const Context& context) {
+    return TaskSearch(energy, setup, context).run();
+}
+
+}  // namespace fluidcarve

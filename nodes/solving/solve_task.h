@@ -1,0 +1,40 @@
+#pragma once
+
+#include "carve/solver/costs/marks.h"
+#include "carve/solver/costs/volume.h"
+#include "carve/solver/search/find_seams.h"
+#include "carve/solver/task/space.h"
+#include "carve/solver/task/task.h"
+#include "graph/types/context.h"
+#include "nodes/solving/reported_seams.h"
+
+#include <chrono>
+#include <optional>
+
+namespace fluidcarve {
+
+/// What a search goes by, besides its energy.
+struct SearchSetup {
+    const SeamTask& task;
+    const CarvedSpace& space;
+    const Seams& empty;           ///< empty_seams()
+    const ReportedSeams& before;  ///< found by an earlier run, no more than the task wants
+    const MarkCounts& marks;
+    const FindSeam& find;
+    const StartFrom& start_from;
+    std::optional<int> bound_passes;  ///< of lower_bound(); nothing: none, and of large energies
+                                      ///< only the first seam gets a bound
+    std::chrono::milliseconds hold_after;  ///< shortest time between two calls of Context::hold
+    bool best_effort =
+        false;       ///< fewer seams than the task wants are a result, too, if no more are possible
+    int finest = 1;  ///< 2: the energy is at half size
+    std::optional<Thick> thick = {};  ///< nothing: seams are thin
+};
+
+/// Finds all seams of a task; with `best_effort` perhaps fewer, and the report says why. Meanwhile
+/// hands over those found so far, with their report.
+/// @param energy  used up
+/// @throws Failure saying why no more seams are possible; as find_seams()
+ReportedSeams solve_task(EnergyVolume& energy, const SearchSetup& setup, const Context& context);
+
+}  // namespace fluidcarve

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "graph/types/node_type.h"
+
+namespace fluidcarve {
+
+// The node types of time.*; each declaration says what the node does.
+
+NodeType time_carve();
+NodeType time_loop();
+NodeType time_retime();
+
+}  // namespace fluidcarve

@@ -1,0 +1,460 @@
+#include "nodes/warp.h"
+
+#include "carve/solver/task/gathered_energy.h"
+#include "carve/solver/task/space.h"
+#include "carve/solver/task/task.h"
+#include "carve/volume/volume.h"
+#include "carve/warp/find_warp.h"
+#include "carve/warp/weights.h"
+#include "graph/types/node_type.h"
+#include "nodes/params/param_forms.h"
+#include "nodes/params/warp_params.h"
+#include "nodes/solving/placement.h"
+#include "nodes/solving/seam_node.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace fluidcarve {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Amounts are multiples of this, so that one kept solution answers each of them alike.
+constexpr double amount_step = 1.0 / 65536;
+
+constexpr std::uint64_t most_points =
+    std::uint64_t{1} << 26;  ///< that a warp is found at, unless its factor is stated
+
+constexpr auto report_section = "warp";
+
+double in_steps(double amount) { return std::round(amount / amount_step) * amount_step; }
+
+/// How far a kept result reaches, as an item count of Growth: the more is asked for, the higher. A
+/// single amount squeezes the lattice if it is negative, so that the order is that of falling
+/// amounts; with pairs of windows either sign squeezes one, and each has results of its own.
+class Reach {
+public:
+    static constexpr std::size_t nothing = 0;
+    static constexpr std::size_t one_amount = 1;  ///< of a curve, or of a warp that is not linear
+
+    static std::size_t of(double amount, bool paired) {
+        const double steps = std::min((paired ? std::abs(amount) : -amount) / amount_step, most);
+        return static_cast<std::size_t>(std::floor(steps + (paired ? 0 : zero)) + first);
+    }
+    /// The reverse. @param sign  of a pair's amount
+    static double amount(std::size_t count, bool paired, double sign) {
+        const double steps = static_cast<double>(count) - first;
+        return amount_step * (paired ? std::copysign(steps, sign) : zero - steps);
+    }
+
+private:
+    static constexpr double first = 2, zero = 0x1p33, most = 0x1p33;
+};
+
+/// The greatest share by which a warp squeezes space.
+double steepest(const Warp& warp) {
+    return std::max(0.0, -static_cast<double>(warp.scaled(warp.bounds().slope).least));
+}
+
+/// The least and the greatest amount of all planes and frames of a set, vertices.
+std::pair<double, double> amounts_in(const Seams& set, const WarpAmount& amount) {
+    double least = std::numeric_limits<double>::infinity(), greatest = -least;
+    for (const int frame : set.frames)
+        for (int k = 0; k < set.slices(); ++k) {
+            const double here =
+                amount.at(place_along(k, set.slices(), set.closed), frame, set.carved());
+            least = std::min(least, here);
+            greatest = std::max(greatest, here);
+        }
+    return {least, greatest};
+}
+
+/// Whether it is known without a look into a file that nothing is to be done.
+bool states_nothing(const WarpParams& params) {
+    return params.amount && params.amount->nothing() && !params.rest;
+}
+
+/// What is left of an amount in a space that others have carved; with `rest` they count towards it.
+WarpAmount amount_left(const WarpParams& params, WarpAmount amount, const CarvedSpace& space) {
+    if (!params.rest) return amount;
+    const auto axis = dimension(params.axis);
+    const int before = space.lattices().front()->shape[axis], now = space.shape()[axis];
+    amount.whole = {amount.whole.of(before) - (now - before), false};
+    return amount;
+}
+
+/// What a finished warp is reported by.
+/// @param amount  what it was found for; null: no amount at all
+Json report_of(const Seams& set, const WarpParams& params, const WarpAmount* amount) {
+    Json out{{"axis", to_text(set.axis)},
+             {"shape", {set.shape[0], set.shape[1], set.shape[2], set.frames.size()}}};
+    if (!amount || !amount->varies()) out["amount"] = set.warp ? set.warp->scale() : 0.0;
+    else if (params.amount) out["amount"] = ParamTraits<WarpAmount>::text(*amount);
+    else out["amounts"] = amounts_in(set, *amount);
+    if (set.warp) out["factor"] = set.warp->factor();
+    out["steepest"] = set.warp ? steepest(*set.warp) : 0.0;
+    return out;
+}
+
+/// The base of what is gathered: energies as the solvers of seams take them.
+SolverParams gathering_params(const WarpParams& params) {
+    SolverParams out;
+    out.axis = params.axis;
+    out.count.value = states_nothing(params) ? 0 : 1;
+    out.window = params.window;
+    out.pair_window = params.pair_window;
+    out.anchor = params.anchor;
+    return out;
+}
+
+struct WarpSolve {
+    using Params = WarpParams;
+    using Ports = SeamNode::Ports;
+
+    static void check(const Params& params, NodeCheck& check) { check_params(params, check); }
+
+    static void survey(const Params& params, Survey& survey) {
+        if (params.amount) return;
+        try {
+            amount_of(params);
+        } catch (const Failure& failure) {
+            survey.missing(survey.frames().front(), failure.what());
+        }
+    }
+
+    static void foresee(const Params& params, Outlook& ahead) {
+        const auto* const energy = ahead.region("energy");
+        if (states_nothing(params) || !energy) return;
+        if (const auto fault = placement_fault(*energy, ahead.region("lattice")); !fault.empty())
+            ahead.warn(fault);
+    }
+
+    static std::shared_ptr<FrameEnergy> digest(const Params& params, const Ports& io,
+                                               Context& context) {
+        // The first frame tells, before all others are read. What is left after other seams is
+        // known only later.
+        if (context.place() == 0 && io.after.empty() && !states_nothing(params))
+            require_fits(params, amount_of(params), io.lattice->shape, io.lattice->closed,
+                         context.frames(), "");
+        if (context.place() == 0 && !states_nothing(params))
+            require_ends(gathering_params(params), *io.lattice);
+        const auto mask = [](const Ref<AnyGrid>& port) {
+            return port ? port->grid.get() : nullptr;
+        };
+        const FrameGrids grids{*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
+        require_frame_fits(grids, *io.lattice, context.memory_budget());
+        return std::make_shared<FrameEnergy>(
+            sample_frame(grids, io.lattice, params.axis, Measure::vertex));
+    }
+
+    void add(const Params& params, const Ref<FrameEnergy>& frame, Context& context) {
+        gathered_.add(gathering_params(params), *frame,
+                      {context.frame(), context.place(), context.frames().size()},
+                      context.limits());
+    }
+
+    /// Takes a warp that was found before, if it is not linear: it may be the one that is wanted.
+    void resume(const Payload& result, const Json& entry) {
+        before_ = result.as<Seams>();
+        entry_ = entry;
+    }
+
+    void finish(const Params& params, Ports& io, Context& context) {
+        const CarvedSpace space(gathered_.lattices(), io.after, context.frames());
+        const auto amount = amount_left(params, amount_of(params), space);
+        const bool nothing = amount.nothing();
+        const auto shape = space.shape();
+        if (!nothing) {
+            const auto named = space.carved() ? " once the seams of `after` are carved" : "";
+            require_fits(params, amount, shape, space.lattices().front()->closed, space.frames(),
+                         named);
+            gathered_.require_met();
+            for (const auto& warning : gathered_.warnings()) context.warn_at_once(warning);
+        }
+        const int size = shape[dimension(params.axis)];
+        const bool found_before = before_ && before_->warp && !before_->warp->linear() &&
+                                  !amount.varies() &&
+                                  entry_.value("amount", 0.0) == in_steps(amount.whole.of(size));
+        auto set = found_before ? *before_ : empty_set(params, space);
+        auto report = entry_;
+        if (!found_before) {
+            // A curve may be other than 0 only where there is no plane or frame.
+            const bool moves = !nothing && amounts_in(set, amount) != std::pair(0.0, 0.0);
+            report = moves ? solve(params, amount, space, set, context)
+                           : report_of(set, params, nothing ? nullptr : &amount);
+        }
+        if (const auto fault = space.extension_fault(set); !fault.empty()) context.warn(fault);
+        context.report(report_section, report);
+        io.seams = std::make_shared<Seams>(std::move(set));
+    }
+
+    /// A linear warp answers every amount up to where it is too tight.
+    static std::string rest(const Params& params) {
+        if (!params.amount) return "of a file";
+        if (params.rest) return "rest of " + ParamTraits<WarpAmount>::text(*params.amount);
+        if (params.amount->varies()) return ParamTraits<WarpAmount>::text(*params.amount);
+        return params.pair_window ? params.amount->whole.value < 0 ? "squeezes" : "draws out" : "";
+    }
+    static Extent extent(const Payload& result) {
+        const auto set = result.as<Seams>();
+        const auto of = static_cast<std::size_t>(set->carved());
+        if (!set->warp) return {Reach::nothing, of};
+        if (!set->warp->linear()) return {Reach::one_amount, of};
+        const bool paired = set->pair_window.has_value();
+        const int sign = paired && set->warp->scale() > 0 ? 1 : -1;
+        return {Reach::of(sign * most_linear(*set->warp, sign), paired), of};
+    }
+    static std::size_t wanted(const Params& params, std::size_t vertices) {
+        if (states_nothing(params)) return Reach::nothing;
+        return !params.amount || params.amount->varies() || params.rest
+                   ? Reach::one_amount
+                   : Reach::of(in_steps(params.amount->whole.of(static_cast<int>(vertices))),
+                               params.pair_window.has_value());
+    }
+    static Payload first(const Payload& result, std::size_t count, Json& entry) {
+        const auto set = std::make_shared<Seams>(*result.as<Seams>());
+        if (count == Reach::nothing) {
+            set->warp.reset();
+            entry = report_of(*set, {}, nullptr);
+        } else if (set->warp && set->warp->linear()) {
+            auto& warp = *set->warp;
+            warp.set_scale(Reach::amount(count, set->pair_window.has_value(), warp.scale()));
+            entry["amount"] = warp.scale();
+            entry["steepest"] = steepest(warp);
+        }
+        return Payload(std::shared_ptr<const Seams>(set));
+    }
+
+private:
+    static Seams empty_set(const Params& params, const CarvedSpace& space) {
+        SeamTask task;
+        task.axis = params.axis;
+        task.shape = space.shape();
+        const int size = task.shape[dimension(params.axis)];
+        task.seams.window = window_of(params.window, size);
+        if (params.pair_window)
+            task.pairs =
+                SeamTask::Part{true, Seams::Kind::remove, window_of(params.pair_window, size)};
+        return empty_seams(gathering_params(params), task, space);
+    }
+
+    /// Vertices from point to point: as few as there is time for. It goes by the size of the set
+    /// alone, so that a warp is the same whatever the memory; what has no room there is in files.
+    static int factor_for(const Params& params, const Seams& set, std::size_t frames) {
+        if (params.factor) return *params.factor;
+        for (const int factor : {1, 2}) {
+            std::uint64_t points = frames;
+            for (const int along : Warp::points_of(set.warp_vertices(), set.warp_rings(), factor))
+                points *= static_cast<std::uint64_t>(along);
+            if (points <= most_points) return factor;
+        }
+        return 4;
+    }
+
+    /// What a warp of a set is to do.
+    static WarpTask task_of(const Params& params, const WarpAmount& amount, const Seams& set,
+                            const Warp& warp) {
+        WarpTask out;
+        const int size = set.carved(), planes = warp.points()[2];
+        out.window = window_of(params.window, size);
+        if (params.pair_window) out.pair_window = window_of(params.pair_window, size);
+        out.stiffness = {static_cast<double>(params.stiffness),
+                         static_cast<double>(params.stiffness_time)};
+        std::vector<double> amounts;
+        for (std::size_t t = 0; t < warp.frames(); ++t)
+            for (int p = 0; p < planes; ++p)
+                amounts.push_back(
+                    amount.at(place_along(warp.vertex_of(2, p), set.slices(), set.closed),
+                              set.frames[t], size));
+        const auto greatest =
+            *std::ranges::max_element(amounts, {}, [](double each) { return std::abs(each); });
+        out.amount = amount.varies() ? greatest : in_steps(greatest);
+        for (const double each : amounts)
+            out.shares.push_back(amount.varies() ? static_cast<float>(each / greatest) : 1.0f);
+        return out;
+    }
+
+    /// Where there is too little room, in words.
+    static std::string why(const NoRoom& none, const Params& params, const Seams& set,
+                           const CarvedSpace& space) {
+        const auto window = window_of(none.pair ? params.pair_window : params.window, set.carved());
+        const auto frame = params.static_ ? "in all frames together"
+                                          : fmt::format("in frame {}", set.frames[none.t]);
+        auto place = fmt::format(
+            "({})",
+            fmt::join(vertex_of(params.axis, fmt::format("{} to {}", window.first, window.last),
+                                std::to_string(none.lateral), std::to_string(none.k)),
+                      ", "));
+        if (!space.carved()) {
+            const auto vertex = vertex_of(params.axis, window.first, none.lateral, none.k);
+            const auto at = space.lattices()[space.place(none.t)]->position(
+                openvdb::Vec3d(vertex[0], vertex[1], vertex[2]));
+            place += fmt::format(", which begins at ({:g}, {:g}, {:g}),", at.x(), at.y(), at.z());
+        }
+        return fmt::format(
+            "{}window [{}, {}]: {}: {} column {} has {} of {} intervals that are not protected, "
+            "and each gives at most {:g} of itself; ask for less, widen the "
+            "window or protect less",
+            none.pair ? "pair_" : "", window.first, window.last,
+            none.possible == 0
+                ? "no amount is possible"
+                : fmt::format("an amount of {:.6g} is possible, but no more", none.possible),
+            frame, place, none.free, none.of, most_squeezed);
+    }
+
+    /// Finds the warp of a set. @return its report
+    Json solve(const Params& params, const WarpAmount& amount, const CarvedSpace& space, Seams& set,
+               Context& context) {
+        const auto begin = std::chrono::steady_clock::now();
+        auto taken = gathered_.take_unpriced(gathering_params(params), space, context.limits());
+        const auto frames = params.static_ ? std::size_t{1} : set.frames.size();
+        const int factor = factor_for(params, set, frames);
+        auto& warp = set.warp.emplace(set.warp_vertices(), set.warp_rings(), factor, frames,
+                                      context.memory_budget(), context.work_folder());
+        FrameStore weights(frames, warp.values(0).size(), context.memory_budget(),
+                           context.work_folder());
+        find_weights(taken.energy, taken.typical,
+                     {params.field_weight, params.evenness, params.empty}, warp, weights);
+        const auto task = task_of(params, amount, set, warp);
+        if (const auto none = no_room(task, warp, weights))
+            throw Failure(why(*none, params, set, space));
+        const int cycles = find_warp(task, warp, weights, [&](double done) {
+            context.check_cancelled();
+            context.progress(done);
+        });
+        // A curve holds for itself alone, and so does what others leave of an amount.
+        if (amount.varies() || params.rest) warp.set_linear(false);
+        if (!set.pair_window) warp.hold(params.anchor);
+        warp.find_bounds();
+        auto report = report_of(set, params, &amount);
+        if (!amount.varies()) report["amount"] = task.amount;
+        report["linear"] = warp.linear();
+        report["cycles"] = cycles;
+        if (const auto& marks = gathered_.marks(); marks.protect || marks.attract) {
+            if (marks.protect) report["protected"] = *marks.protect;
+            if (marks.attract) report["attracted"] = *marks.attract;
+        }
+        report["wall_s"] =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        return report;
+    }
+
+    GatheredEnergy gathered_;
+    Ref<Seams> before_;  ///< found by an earlier run
+    Json entry_;         ///< its report
+};
+
+}  // namespace
+
+NodeType warp_solve() {
+    using Ports = WarpSolve::Ports;
+    using Params = WarpParams;
+    const auto params_of = [](const void* params) -> const Params& {
+        return *static_cast<const Params*>(params);
+    };
+    return Declare<WarpSolve>(
+               "warp.solve",
+               "Finds a displacement of all vertices as a whole, in place of seams: it squeezes or "
+               "draws out most where that is seen least. The "
+               "amount need not be whole, and may change along the lattice and over time.")
+        .input("energy", &Ports::energy,
+               "The energy, 0 or more: space of high energy keeps its shape. It is sampled at the "
+               "lattice's vertices.")
+        .input("lattice", &Ports::lattice, "The space that is carved.")
+        .input("field", &Ports::field,
+               "The grid that is seen, such as the density; sampled at the vertices. With it, "
+               "edges are stiff, too (`field_weight`), and empty space is where it "
+               "shows nothing (`empty`); without it, where the energy is 0.")
+        .input("protect", &Ports::protect,
+               "What moves rigidly: a mask, or the active voxels of any grid. A vertex is "
+               "protected if any of the 8 voxels around it is set; a vertex on a voxel, "
+               "if that voxel is set.")
+        .input("attract", &Ports::attract,
+               "What gives first: a mask or any grid, as for `protect`, which has precedence.")
+        .input("after", &Ports::after,
+               "Sets of seams, or warps, of this lattice that are carved before, in order. The "
+               "warp is found in the space that they leave; windows and amounts "
+               "count its vertices.")
+        .param("axis", &Params::axis,
+               "The dimension of the lattice that shrinks or grows: u or v, across the rig; w, "
+               "along it.")
+        .param("amount", &Params::amount, Unit::vertices, any_number(),
+               "By how much the lattice grows along the axis: negative shrinks. A number of "
+               "vertices, such as -7.25, or N%, a share of the vertices along the "
+               "axis. Or a curve, {along: w, at: [[0, 0], [0.4, -12], [1, -12]]}: amounts at "
+               "places along the lattice, from 0, the first plane, to 1, the last "
+               "one; with `along: time`, at frame numbers. Between its points a curve is linear, "
+               "beyond them constant. `over: [[1001, 0], [1024, 1]]` in it "
+               "multiplies it by factors along the other dimension. Where a curve is 0, nothing "
+               "moves. auto takes the amount from `amount_file`; one of the "
+               "two is stated.")
+        .param("amount_file", &Params::amount_file,
+               "A .csv file with such a curve, in place of `amount`. Its first line names the "
+               "columns: `amount` and `w` or `time`; each further line is a point. "
+               "With both `w` and `time`, each frame named has a curve of its own along the "
+               "lattice, and frames between them what lies between; the lines of "
+               "a frame stand together.")
+        .param("rest", &Params::rest,
+               "Whether the sets of `after` count towards `amount`: the warp then makes what they "
+               "leave of it, such as a fraction, or all that seams do worse "
+               "(`seams.choose`).")
+        .param("window", &Params::window, Unit::vertices, any_number(),
+               "First and last vertex along the axis between which space is squeezed or drawn out, "
+               "or shares, [0%, 50%], which hold for any spacing; auto is "
+               "all vertices.")
+        .param("pair_window", &Params::pair_window, Unit::vertices, any_number(),
+               "A second window, above the first. What is taken from one is given to the other: "
+               "only the content in them and between them moves, and the size "
+               "stays. auto is none.")
+        .param("static", &Params::static_,
+               "Whether the warp is the same in all frames. It is then found by the mean stiffness "
+               "over all frames.")
+        .param("anchor", &Params::anchor,
+               "What stays in place while the rest moves: the lattice's low end, its middle, its "
+               "high end, or a vertex; in each column and frame.")
+        .param("field_weight", &Params::field_weight, Unit::none, between(0, 1e4),
+               "How much edges of the field count. At 1, an edge of the mean size found in the "
+               "content is as stiff as the content's mean energy makes it.")
+        .param("evenness", &Params::evenness, Unit::none, between(1e-4, 1e4),
+               "Stiffness that all content has alike, in units of what its mean energy makes. "
+               "More: closer to even scaling. Less: more is squeezed where the "
+               "energy is low.")
+        .param("empty", &Params::empty, Unit::none, between(1e-4, 1e4),
+               "Stiffness of a vertex without content, as a share of the mean stiffness of "
+               "vertices with content. Higher: the content itself becomes narrower or "
+               "wider. Lower: more is taken from the space around it.")
+        .param("stiffness", &Params::stiffness, Unit::none, between(0, 1e4),
+               "Stiffness against shear between columns, as a share of that against squeezing. "
+               "More: neighbouring columns are squeezed at the same places.")
+        .param("stiffness_time", &Params::stiffness_time, Unit::none, between(0, 1e4),
+               "The same from frame to frame. More is steadier.")
+        .param("factor", &Params::factor, Unit::vertices, any_number(),
+               "The warp is found at every vertex (1), every second (2) or every fourth one (4), "
+               "and is linear between. auto takes the lowest that makes at "
+               "most 64 million points; the report tells it.")
+        .output("seams", &Ports::seams, "The warp; all that takes seams takes it.")
+        .digests({"energy", "lattice", "field", "protect", "attract", "axis"})
+        .grows({"amount",
+                [params_of](const void* params) { return WarpSolve::rest(params_of(params)); },
+                &WarpSolve::extent,
+                [params_of](const void* params, std::size_t vertices) {
+                    return WarpSolve::wanted(params_of(params), vertices);
+                },
+                &WarpSolve::first, nullptr, "amount"})
+        .in_place()
+        .kept()
+        .version(2);
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,170 @@
+#include "carve/time/between.h"
+
+#include "carve/time/motion.h"
+#include "carve/time/volume_store.h"
+#include "tests/support/grid_bytes.h"
+#include "tests/support/scratch.h"
+
+#include <openvdb/tools/LevelSetSphere.h>
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+using namespace fluidcarve;
+using openvdb::Coord;
+using openvdb::Vec3d;
+using openvdb::Vec3s;
+
+namespace {
+
+constexpr double spacing = 0.1;  ///< of voxels, world units
+
+/// A Gaussian around a place, voxels.
+FloatGrid::Ptr puff(const Vec3d& around, float height = 1) {
+    const auto out = FloatGrid::create();
+    out->setName("density");
+    out->setTransform(openvdb::math::Transform::createLinearTransform(spacing));
+    for (const auto& at : openvdb::CoordBBox(Coord(-15), Coord(25)))
+        if (const auto value = height * std::exp(-0.5 * (at.asVec3d() - around).lengthSqr() / 9);
+            value > 1e-4)
+            out->tree().setValue(at, static_cast<float>(value));
+    return out;
+}
+
+Vec3d centre(const FloatGrid& grid) {
+    Vec3d sum(0);
+    double all = 0;
+    for (auto value = grid.cbeginValueOn(); value; ++value) {
+        sum += *value * value.getCoord().asVec3d();
+        all += *value;
+    }
+    return sum / all;
+}
+
+double sum_of_values(const FloatGrid& grid) {
+    double out = 0;
+    for (auto value = grid.cbeginValueOn(); value; ++value) out += *value;
+    return out;
+}
+
+Volume volume_with(const std::vector<openvdb::GridBase::ConstPtr>& grids) {
+    Volume out;
+    out.grids.assign(grids.begin(), grids.end());
+    return out;
+}
+
+FloatGrid::ConstPtr density_of(const Volume& volume) {
+    return openvdb::gridConstPtrCast<FloatGrid>(volume.find("density"));
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a puff that moves is where it should be between its frames, with its height and width, seen "
+    "or told by a velocity") {
+    const Vec3d by(4, -2.5, 1);
+    const auto a = puff(Vec3d(0)), b = puff(by);
+    const auto velocity = VectorGrid::create(Vec3s(by));
+    velocity->setTransform(a->transformPtr());
+    for (const auto& told : {VectorGrid::ConstPtr(), VectorGrid::ConstPtr(velocity)}) {
+        const auto motion = motion_between({a, told}, {b, told}, spacing, ~std::uint64_t{0});
+        for (const double share : {0.25, 0.5, 0.75})
+            for (const auto transport : {Transport::semi_lagrangian, Transport::mac_cormack}) {
+                const auto out = density_of(volume_between(volume_with({a}), volume_with({b}),
+                                                           share, motion.get(), transport));
+                CHECK((centre(*out) - share * by).length() < 0.05);
+                CHECK(sum_of_values(*out) == Approx(sum_of_values(*a)).epsilon(0.01));
+                float highest = 0;
+                for (auto value = out->cbeginValueOn(); value; ++value)
+                    highest = std::max(highest, *value);
+                CHECK(highest == Approx(1).margin(0.08));
+            }
+    }
+}
+
+TEST_CASE("the right scale of a velocity makes the least mismatch") {
+    const auto a = puff(Vec3d(0)), b = puff(Vec3d(3, 0, 0));
+    const auto velocity = VectorGrid::create(Vec3s(7, 0, 0));
+    velocity->setTransform(a->transformPtr());
+    const auto error = [&](double voxels) {
+        return mismatch({a, velocity}, {b, velocity}, voxels * spacing / 7, ~std::uint64_t{0});
+    };
+    for (const double wrong : {0.0, 1.5, 2.5, 3.5, 5.0}) CHECK(error(wrong) > 2 * error(3));
+    CHECK(typical_speed({a, velocity}) == Approx(7));
+}
+
+TEST_CASE("mass between frames lies between theirs, and a grid that only one frame has fades") {
+    const auto small = puff(Vec3d(0)), large = puff(Vec3d(2, 0, 0), 2);
+    const auto motion = motion_between({small, nullptr}, {large, nullptr}, 0, ~std::uint64_t{0});
+    const auto out = volume_between(volume_with({small}), volume_with({large}), 0.5, motion.get(),
+                                    Transport::semi_lagrangian);
+    CHECK(sum_of_values(*density_of(out)) == Approx(1.5 * sum_of_values(*small)).epsilon(1e-3));
+    const auto fading = volume_between(volume_with({small}), volume_with({}), 0.25, nullptr,
+                                       Transport::semi_lagrangian);
+    CHECK(sum_of_values(*density_of(fading)) == Approx(0.75 * sum_of_values(*small)).epsilon(1e-4));
+    CHECK(volume_between(volume_with({small}), volume_with({}), 0.75, nullptr,
+                         Transport::semi_lagrangian)
+              .grids.empty());
+}
+
+TEST_CASE(
+    "a level set between two frames is a distance, and whole numbers are those of the nearer "
+    "frame") {
+    const auto sphere = [](float x) {
+        auto out = openvdb::tools::createLevelSetSphere<FloatGrid>(1.0f, openvdb::Vec3f(x, 0, 0),
+                                                                   static_cast<float>(spacing));
+        out->setName("surface");
+        return out;
+    };
+    const auto a = sphere(0), b = sphere(0.3f);
+    const auto motion = motion_between({a, nullptr}, {b, nullptr}, 0, ~std::uint64_t{0});
+    auto ids = openvdb::Int32Grid::create(), later = openvdb::Int32Grid::create();
+    ids->setName("id");
+    later->setName("id");
+    later->tree().setValue(Coord(0), 7);
+    const auto out = volume_between(volume_with({a, ids}), volume_with({b, later}), 0.5,
+                                    motion.get(), Transport::semi_lagrangian);
+    const auto surface = openvdb::gridConstPtrCast<FloatGrid>(out.find("surface"));
+    CHECK(surface->getGridClass() == openvdb::GRID_LEVEL_SET);
+    double worst = 0;
+    for (auto value = surface->cbeginValueOn(); value; ++value) {
+        const double distance =
+            (surface->indexToWorld(value.getCoord()) - Vec3d(0.15, 0, 0)).length() - 1;
+        if (std::abs(distance) < 2 * spacing) worst = std::max(worst, std::abs(*value - distance));
+    }
+    CHECK(worst < 0.25 * spacing);
+    CHECK(
+        openvdb::gridConstPtrCast<openvdb::Int32Grid>(out.find("id"))->tree().getValue(Coord(0)) ==
+        7);
+}
+
+TEST_CASE("velocities are scaled by their name") {
+    const auto fast = VectorGrid::create(Vec3s(0, 0, 1));
+    fast->setName("vel");
+    fast->tree().setValue(Coord(1), Vec3s(2, 4, -6));
+    const auto out = scaled(volume_with({puff(Vec3d(0)), fast}), "vel", -0.5);
+    const auto slow = openvdb::gridConstPtrCast<VectorGrid>(out.find("vel"));
+    CHECK(slow->tree().getValue(Coord(1)) == Vec3s(-1, -2, 3));
+    CHECK(slow->background() == Vec3s(0, 0, -0.5f));
+    CHECK(fast->tree().getValue(Coord(1)) == Vec3s(2, 4, -6));
+}
+
+TEST_CASE("volumes beyond the memory come back from a file bit for bit") {
+    const Scratch scratch;
+    VolumeStore held(~std::uint64_t{0}, scratch / "work"), filed(0, scratch / "work");
+    for (int n = 0; n < 5; ++n) {
+        auto volume = std::make_shared<Volume>(
+            volume_with({puff(Vec3d(n, 0, 0)), openvdb::Int32Grid::create(n)}));
+        volume->metadata.insertMeta("take", openvdb::Int32Metadata(n));
+        held.add(volume);
+        filed.add(volume);
+    }
+    CHECK(std::filesystem::is_empty(scratch / "work"));
+    for (const std::size_t n : {4U, 0U, 2U}) {
+        const auto a = held.at(n), b = filed.at(n);
+        REQUIRE(a->grids.size() == b->grids.size());
+        for (std::size_t g = 0; g < a->grids.size(); ++g)
+            CHECK(test::difference(*a->grids[g].grid(), *b->grids[g].grid()) == "");
+        CHECK(b->metadata.metaValue<std::int32_t>("take") == static_cast<int>(n));
+    }
+}

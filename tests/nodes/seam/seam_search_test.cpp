@@ -1,0 +1,92 @@
+#include "carve/solver/seam_search.h"
+
+#include "nodes/seam.h"
+#include "tests/support/solver_bench.h"
+
+#include <catch2/catch.hpp>
+
+#include <random>
+
+using namespace fluidcarve;
+using namespace fluidcarve::test;
+using openvdb::Coord;
+using openvdb::CoordBBox;
+
+namespace {
+
+constexpr std::array<int, 3> search_lattice{24, 4, 3};
+constexpr std::size_t search_frames = 4;
+
+std::vector<FloatGrid::Ptr> noise(unsigned seed) {
+    std::vector<FloatGrid::Ptr> out;
+    std::mt19937 random(seed);
+    for (std::size_t t = 0; t < search_frames; ++t)
+        out.push_back(energy_grid(CoordBBox(Coord(0), Coord(23, 3, 2)), [&](const Coord&) {
+            return static_cast<float>(random() % 64) / 64;
+        }));
+    return out;
+}
+
+/// What the node finds, and what the library finds by the same wish.
+std::pair<Ref<Seams>, Ref<Seams>> both(const std::string& yaml, const SolverParams& wish,
+                                       bool field, const MaskGrid::Ptr& protect = nullptr) {
+    const auto energies = noise(1), fields = noise(2);
+    Grids grids;
+    if (field) grids["field"].assign(fields.begin(), fields.end());
+    if (protect) grids["protect"] = {protect};
+    const auto solved =
+        test::solve(seam_pyramid(), yaml, energies, {box(search_lattice)}, grids, search_frames);
+    SeamSearch search(wish, {5, 6, 7, 8});
+    const auto lattice = std::make_shared<const Lattice>(box(search_lattice));
+    for (std::size_t t = 0; t < search_frames; ++t)
+        search.add(lattice, {*energies[t], field ? fields[t].get() : nullptr, protect.get()});
+    return {solved.seams, search.find()};
+}
+
+void check_equal(const std::pair<Ref<Seams>, Ref<Seams>>& found) {
+    const auto& [node, library] = found;
+    CHECK(library->thickness == node->thickness);
+    CHECK(library->kind == node->kind);
+    CHECK(library->lattice_hash == node->lattice_hash);
+    for (const auto part : {&Seams::seams, &Seams::pairs}) {
+        const auto &a = *node.*part, &b = *library.*part;
+        REQUIRE(a.size() == b.size());
+        for (std::size_t n = 0; n < a.size(); ++n) {
+            CHECK(std::equal(a[n].at.begin(), a[n].at.end(), b[n].at.begin(), b[n].at.end()));
+            CHECK(a[n].energy == b[n].energy);
+        }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("a search by the library finds the seams of seam.pyramid") {
+    SolverParams wish;
+    wish.count = {-3, false};
+    check_equal(both("{axis: u, count: -3}", wish, false));
+    check_equal(both("{axis: u, count: -3}", wish, false, mask_grid({{10, 1, 1}})));
+    wish.count = {6, false};
+    wish.thickness = 3;
+    check_equal(both("{axis: u, count: 6, thickness: 3}", wish, true));
+    wish = {};
+    wish.count = {-2, false};
+    wish.window = VertexRange{0, 9};
+    wish.pair_window = VertexRange{14, 23};
+    check_equal(both("{axis: u, count: -2, window: [0, 9], pair_window: [14, 23]}", wish, false));
+}
+
+TEST_CASE("a search by the library says why there is no seam, and can be stopped") {
+    SolverParams wish;
+    wish.count = {-3, false};
+    const auto energies = noise(1);
+    const auto lattice = std::make_shared<const Lattice>(box(search_lattice));
+    const auto wall = MaskGrid::create();
+    wall->denseFill(CoordBBox(Coord(0), Coord(23, 0, 0)), true, true);
+    SeamSearch blocked(wish, {1});
+    blocked.add(lattice, {*energies[0], nullptr, wall.get()});
+    CHECK_THROWS_WITH(blocked.find(), Catch::Contains("has no unprotected vertex"));
+
+    SeamSearch stopped(wish, {1});
+    stopped.add(lattice, {*energies[0]});
+    CHECK_THROWS_AS(stopped.find([](double) { throw Cancelled{}; }), Cancelled);
+}

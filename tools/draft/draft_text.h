@@ -1,0 +1,313 @@
+#pragma once
+
+#include "carve/base/failure.h"
+#include "graph/types/param.h"
+#include "tools/draft/contents.h"
+#include "tools/draft/draft.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <string_view>
+#include <utility>
+
+namespace fluidcarve {
+
+/// A path or a text of the command line as a YAML value.
+std::string text_value(const std::string& text);
+
+/// Whether a text can be the name of a reader's output in a pipeline.
+bool plain_name(const std::string& name);
+
+/// Writes one pipeline.
+class DraftText {
+public:
+    using Matter = Contents::Matter;
+    using Fields = DraftRequest::Fields;
+
+    DraftText(const DraftRequest& request)
+        : request_(request), contents_(contents_of(request.facts)) {}
+
+    std::string text() {
+        if (request_.axis == 't') return in_time();
+        switch (contents_.matter) {
+            case Matter::smoke:
+            case Matter::fire: fog(); break;
+            case Matter::level_set: level_set(); break;
+            case Matter::particles: particles(); break;
+            case Matter::image: image(); break;
+            case Matter::mesh: mesh(); break;
+        }
+        return head() + nodes_;
+    }
+
+private:
+    // Lines of the file.
+
+    void comment(const std::string& text) { nodes_ += fmt::format("\n  # {}\n", text); }
+    void more(const std::string& text) { nodes_ += fmt::format("  # {}\n", text); }
+
+    void node(const std::string& name, const std::string& type, const Fields& fields) {
+        nodes_ += fmt::format("  {}: {{type: {}", name, type);
+        for (const auto& [field, value] : fields) nodes_ += fmt::format(", {}: {}", field, value);
+        nodes_ += "}\n";
+    }
+
+    /// The line of a param; none without a value.
+    static std::string param(const char* name, const char* type, const std::string& value,
+                             const char* doc) {
+        return value.empty() ? value
+                             : fmt::format("  {}: {{type: {}, default: {}, doc: \"{}\"}}\n", name,
+                                           type, value, doc);
+    }
+    static std::string path_param(const char* name, const std::string& value, const char* doc) {
+        return param(name, "path", value.empty() ? value : text_value(value), doc);
+    }
+    /// Whether the count is no whole number.
+    bool fraction() const {
+        return !request_.count.ends_with('%') &&
+               request_.count.find_first_of(".eE") != std::string::npos;
+    }
+
+    std::string head() const {
+        const std::array titles{"smoke", "fire", "a level set", "particles", "an image", "a mesh"};
+        auto out = fmt::format("# {} {}, along {}: {} where it shows least.\n",
+                               request_.count.starts_with('-') ? "Narrow" : "Widen",
+                               titles.at(static_cast<std::size_t>(contents_.matter)), request_.axis,
+                               warps() ? "a warp squeezes or draws it out" : "seams leave");
+        out += "# Another amount, other files: --set count=-12 --set sim=FILES --set out=FILES\n";
+        out += "fluidcarve: 1\n\nparams:\n";
+        out += path_param("sim", request_.input,
+                          request_.frames.empty() ? "Input file." : "Input sequence.");
+        if (fraction() && !warps())
+            throw Failure(
+                fmt::format("seams are whole: take {:.0f} or {:.0f}; a warp carves by fractions, "
+                            "too (carve --warp)",
+                            std::floor(std::atof(request_.count.c_str())),
+                            std::ceil(std::atof(request_.count.c_str()))));
+        out +=
+            param("count", fraction() ? "float" : "count", request_.count,
+                  warps() ? "Voxels, or a share of the size: negative makes it narrower."
+                          : "Seams, or a share of the size: negative removes, positive inserts.");
+        out += path_param("out", request_.out, "What was carved.") +
+               path_param("seams", request_.seams, "The seams, to use again without solving.") +
+               path_param("sheet", request_.sheet, "Before, after and the seams in one picture.");
+        if (!request_.frames.empty())
+            out += fmt::format(
+                "\n# The frames whose files are there. State them, and one that is missing is "
+                "told: {}\nframes: auto\n",
+                request_.frames);
+        return out + "\nnodes:";
+    }
+
+    /// A pipeline that makes the sequence shorter or longer.
+    std::string in_time();
+
+    // Parts that all pipelines have.
+
+    /// Names a float grid, a vector grid or a channel as an output of the reader.
+    /// @return "sim.NAME"
+    std::string offer(const std::string& grid, const std::string& name, const char* type) {
+        const auto alias = plain_name(grid) && !(name == "surface") ? grid : name;
+        const auto value = contents_.matter == Matter::image ? text_value(grid)
+                           : alias == grid
+                               ? std::string(type)
+                               : fmt::format("{{name: {}, type: {}}}", text_value(grid), type);
+        if (std::ranges::find(offered_, alias, &std::pair<std::string, std::string>::first) ==
+            offered_.end())
+            offered_.emplace_back(alias, value);
+        return "sim." + alias;
+    }
+
+    /// The reader of the files, with what was offered so far.
+    void reader(const char* type, const char* list) {
+        Fields fields{{"path", "\"${sim}\""}};
+        std::vector<std::string> outputs;
+        for (const auto& [name, value] : offered_) outputs.push_back(name + ": " + value);
+        if (!outputs.empty())
+            fields.emplace_back(list, fmt::format("{{{}}}", fmt::join(outputs, ", ")));
+        if (!contents_.profile.empty() && contents_.in_volume)
+            fields.emplace_back("profile", contents_.profile);
+        node("sim", type, fields);
+    }
+
+    /// The nodes of masks that no seam may pass. @param like  a grid on whose voxels they lie
+    /// Offers the grids that have the name of the one that is looked at.
+    void beside() {
+        for (std::size_t n = 0; n < contents_.same.size(); ++n)
+            offer(contents_.same[n], fmt::format("beside{}", n + 1),
+                  contents_.vectors ? "vector" : "float");
+    }
+
+    void masks(const std::string& like) {
+        std::vector<std::string> all;
+        for (const auto& each : protected_) {
+            const auto name =
+                fmt::format("keep{}", protected_.size() > 1 ? std::to_string(all.size() + 1) : "");
+            all.push_back(name);
+            if (all.size() == 1) comment("No seam passes here.");
+            if (!each.field.empty()) {
+                node(name, "mask.threshold", {{"field", each.field}, {"above", each.value}});
+            } else if (contents_.matter == Matter::image) {
+                node(name + "_paint", "image.read", {{"path", text_value(each.value)}});
+                node(name + "_bright", "energy.image", {{"source", name + "_paint"}});
+                node(name, "mask.threshold",
+                     {{"field", name + "_bright.intensity"}, {"above", "0.5"}});
+            } else {
+                node(name + "_mesh", "mesh.read", {{"path", text_value(each.value)}});
+                node(name, "mask.mesh", {{"mesh", name + "_mesh"}, {"like", like}});
+            }
+        }
+        if (all.size() > 1)
+            node("keep", "mask.combine", {{"masks", fmt::format("[{}]", fmt::join(all, ", "))}});
+    }
+
+    void box(const std::string& fit) {
+        comment(contents_.matter == Matter::image
+                    ? "The lattice is the image: `u` to the right, `v` up."
+                    : "The space in which seams run: the box around all frames, a vertex at every "
+                      "voxel.");
+        // Grids of the same name beside it move alike.
+        std::vector<std::string> all{fit};
+        for (std::size_t n = 0; n < contents_.same.size(); ++n)
+            all.push_back(fmt::format("sim.beside{}", n + 1));
+        Fields fields{{"fit", all.size() == 1 ? fit : fmt::format("[{}]", fmt::join(all, ", "))}};
+        if (request_.axis == 'z') fields.emplace_back("axes", "zxy");
+        node("box", "lattice.box", fields);
+        if (contents_.matter != Matter::image && contents_.box) rig_comment();
+    }
+
+    /// What stands in place of the box where the content bends: a rig through its middle, in its
+    /// longest direction.
+    void rig_comment() {
+        const auto size = contents_.box.extents(), middle = contents_.box.getCenter();
+        const auto along = static_cast<int>(openvdb::math::MaxIndex(size));
+        auto first = middle, last = middle;
+        first[along] = contents_.box.min()[along];
+        last[along] = contents_.box.max()[along];
+        const auto point = [](const openvdb::Vec3d& at) {
+            return fmt::format("[{:.5g}, {:.5g}, {:.5g}]", at.x(), at.y(), at.z());
+        };
+        const auto reach =
+            std::max(size[(along + 1) % 3], size[(along + 2) % 3]) / 2 + contents_.voxel;
+        more(
+            "To carve along a bend, put these two in its place, and let the points follow the "
+            "bend; rig.curve reads them from a file:");
+        more(fmt::format("rig: {{type: rig.points, points: [{}, {}, {}], up: {}}}", point(first),
+                         point(middle), point(last), along == 2 ? "[0, 1, 0]" : "[0, 0, 1]"));
+        more(
+            fmt::format("box: {{type: lattice.build, rig: rig, spacing: {:.6g}, extent_u: [{:.5g}, "
+                        "{:.5g}], extent_v: [{:.5g}, {:.5g}]}}",
+                        contents_.voxel, -reach, reach, -reach, reach));
+    }
+
+    /// Whether a warp carves, not seams. In a wave of water a seam would be a cliff.
+    bool warps() const {
+        if (!request_.solver.empty()) return request_.solver == "warp.solve";
+        const auto of_seams = [](const auto& field) {
+            return field.first == "spread" || field.first == "rigidity" || field.first == "soft";
+        };
+        const bool water =
+            contents_.matter == Matter::level_set || contents_.matter == Matter::particles;
+        return water && std::ranges::none_of(request_.solver_fields, of_seams) &&
+               std::ranges::none_of(request_.remap_fields, of_seams);
+    }
+    /// Without the fields of a name.
+    static Fields without(Fields fields, std::string_view name) {
+        std::erase_if(fields, [&](const auto& field) { return field.first == name; });
+        return fields;
+    }
+
+    void solver(Fields fields) {
+        if (warps()) fields = without(without(std::move(fields), "spread"), "field_weight");
+        fields.insert(fields.begin(), {"energy", "energy"});
+        fields.emplace_back("lattice", "box");
+        if (!protected_.empty()) fields.emplace_back("protect", "keep");
+        fields.emplace_back("axis", request_.axis == 'y' ? "v" : "u");
+        fields.emplace_back(warps() ? "amount" : "count", "\"${count}\"");
+        // Seams may run out beside what none may pass.
+        if (!protected_.empty() && !warps()) fields.emplace_back("best_effort", "true");
+        if (contents_.matter != Matter::image)
+            fields.emplace_back("anchor",
+                                contents_.source.at(static_cast<std::size_t>(request_.axis - 'x')));
+        node("seams",
+             warps()                   ? "warp.solve"
+             : request_.solver.empty() ? "seam.pyramid"
+                                       : request_.solver,
+             with(std::move(fields), request_.solver_fields));
+    }
+
+    void carve(const std::string& name, const char* type, const std::string& source,
+               Fields fields) {
+        if (warps()) fields = without(std::move(fields), "soft");
+        fields.insert(fields.begin(), {{"source", source}, {"lattice", "box"}, {"seams", "seams"}});
+        auto wanted = request_.remap_fields;
+        if (std::string_view(type) != "remap.grids")
+            std::erase_if(wanted, [](const auto& field) { return field.first != "soft"; });
+        node(name, type, with(std::move(fields), wanted));
+    }
+
+    /// Fields, some of them with other values.
+    static Fields with(Fields fields, const Fields& wanted) {
+        for (const auto& [name, value] : wanted) {
+            const auto found =
+                std::ranges::find(fields, name, &std::pair<std::string, std::string>::first);
+            if (found == fields.end()) fields.emplace_back(name, value);
+            else found->second = value;
+        }
+        return fields;
+    }
+
+    /// The writers of all but the carved files.
+    void others(const std::string& before, const std::string& after, const std::string& grid,
+                bool render) {
+        if (!request_.seams.empty())
+            node("kept", "seams.write", {{"seams", "seams"}, {"path", "\"${seams}\""}});
+        if (request_.sheet.empty()) return;
+        comment("Is the carve where it should be? Look here first.");
+        const bool y_up = contents_.profile == "houdini" || contents_.profile == "embergen";
+        const auto* const view = contents_.matter == Matter::image ? "z"
+                                 : y_up ? (request_.axis == 'z' ? "x" : "z")
+                                        : (request_.axis == 'y' ? "x" : "y");
+        Fields fields{{"before", before},   {"after", after},   {"grid", text_value(grid)},
+                      {"energy", "energy"}, {"lattice", "box"}, {"seams", "seams"}};
+        if (render) fields.emplace_back("show", "render");
+        else if (contents_.matter != Matter::image) fields.emplace_back("show", "slice");
+        fields.emplace_back("axis", view);
+        fields.emplace_back("path", "\"${sheet}\"");
+        node("sheet", "preview.sheet", fields);
+    }
+
+    /// What is protected: a range of a grid's values, or what is in a file.
+    struct Protected {
+        std::string field;  ///< output of the reader; empty: a file
+        std::string value;  ///< lowest value, or path
+    };
+
+    void read_protected();
+
+    // A pipeline for each matter.
+
+    void fog();
+
+    void level_set();
+
+    void particles();
+
+    void image();
+
+    void mesh();
+
+    const DraftRequest& request_;
+    const Contents contents_;
+    std::vector<std::pair<std::string, std::string>>
+        offered_;  ///< outputs of the reader, and what they are, as YAML
+    std::vector<Protected> protected_;
+    std::string nodes_;
+};
+
+}  // namespace fluidcarve
