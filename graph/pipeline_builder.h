@@ -3,13 +3,15 @@
 #include "carve/base/frame_set.h"
 #include "carve/base/words.h"
 #include "formats/file/confinement.h"
-#include "graph/build_pipeline.h"
 #include "graph/code_trust.h"
+#include "graph/document.h"
 #include "graph/field_names.h"
 #include "graph/file_claims.h"
 #include "graph/frames_of_inputs.h"
+#include "graph/pipeline.h"
 #include "graph/timelines.h"
 #include "graph/types/frame_files.h"
+#include "graph/types/registry.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,11 +1,12 @@
 #pragma once
 
-#include "formats/file/provenance.h"
-#include "formats/image/image_volume.h"
+#include "carve/volume/volume.h"
+#include "formats/image/image.h"
 
 #include <openvdb/MetaMap.h>
 #include <openvdb/Metadata.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,16 @@ T meta(const openvdb::MetaMap& from, const char* key, const T& fallback) {
     return found ? found->value() : fallback;
 }
 
+/// The grids that become the channels of a picture, in their order.
 using Channels = std::vector<VolumeGrid>;
+
+/// How to write a volume as an image.
+struct ImageWish {
+    const ImageFormat* format = nullptr;
+    std::optional<std::string> depth;  ///< depth of all channels; nothing: as they were read
+    std::optional<std::vector<std::string>>
+        channels;  ///< grids to write, in this order; nothing: all
+};
 
 /// Whether a grid holds the bits of a channel that names things.
 bool is_identity(const openvdb::GridBase& grid);

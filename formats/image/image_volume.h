@@ -2,6 +2,7 @@
 
 #include "carve/volume/volume.h"
 #include "formats/image/image.h"
+#include "formats/image/image_channels.h"
 
 #include <array>
 #include <cstdint>
@@ -25,14 +26,6 @@ std::array<int, 2> upright_size(const Image& header);
 
 /// Bytes of memory of a picture, which is also its volume. @param header  may have no pixels
 std::uint64_t bytes_as_volume(const Image& header);
-
-/// How to write a volume as an image.
-struct ImageWish {
-    const ImageFormat* format = nullptr;
-    std::optional<std::string> depth;  ///< depth of all channels; nothing: as they were read
-    std::optional<std::vector<std::string>>
-        channels;  ///< grids to write, in this order; nothing: all
-};
 
 /// Converts a volume to a picture: the box of its active voxels, which must lie in one plane z. If
 /// the box differs from the picture that was read, the display window grows or shrinks with it.

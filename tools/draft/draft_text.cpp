@@ -257,4 +257,6 @@ void DraftText::read_protected() {
     }
 }
 
+std::string draft_pipeline(const DraftRequest& request) { return DraftText(request).text(); }
+
 }  // namespace fluidcarve

@@ -1,6 +1,10 @@
 #pragma once
 
-#include "nodes/expression/module/checker.h"
+#include <openvdb_ax/ast/AST.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
 
 namespace fluidcarve {
 
