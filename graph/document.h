@@ -1,5 +1,6 @@
 #pragma once
 
+#include "graph/insertion.h"
 #include "graph/text/value.h"
 
 #include <memory>
@@ -8,14 +9,6 @@
 #include <vector>
 
 namespace fluidcarve {
-
-/// One `${name}` that was replaced. If it was a whole value, the new value has the mark of the
-/// param or variable.
-struct Insertion {
-    Mark in;  ///< the text that contains `${name}`; if it was a whole value, the list or map around
-              ///< it
-    std::string name;
-};
 
 /// A pipeline's text before node types are looked up: `extends` merged, `--set` applied, `${name}`
 /// replaced.
@@ -29,10 +22,10 @@ struct Document {
     Value provenance;           ///< null: written files state what made them
     Value plugins;              ///< null, or a list of paths; plugins of extended files come first
     std::vector<Insertion> insertions;
-    std::vector<std::pair<std::string, std::string>>
-        environment;  ///< name and value of each variable that `env` lists and that is set
-    std::vector<std::string>
-        command;  ///< the words of the command line that stands for the document; empty: `run NAME`
+    /// Name and value of each variable that `env` lists and that is set.
+    std::vector<std::pair<std::string, std::string>> environment;
+    /// The words of the command line that stands for the document; empty: `run NAME`
+    std::vector<std::string> command;
 };
 
 /// Reads a pipeline file. Later layers win: declaration defaults < extended file < file <

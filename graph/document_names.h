@@ -2,6 +2,7 @@
 
 #include "carve/base/words.h"
 #include "formats/file/input_file.h"
+#include "graph/insertion.h"
 #include "graph/text/problem.h"
 #include "graph/text/text_room.h"
 #include "graph/text/value.h"

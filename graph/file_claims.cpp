@@ -132,9 +132,9 @@ private:
 
     const std::vector<FileClaim>& claims_;
     const std::vector<int>& frames_;
-    std::vector<std::optional<NameEnds>>
-        names_;                      ///< per claim; nothing: its folders differ from frame to frame
-    std::vector<fs::path> folders_;  ///< per claim with a name, without links
+    /// Per claim; nothing: its folders differ from frame to frame.
+    std::vector<std::optional<NameEnds>> names_;
+    std::vector<fs::path> folders_;                       ///< per claim with a name, without links
     std::unordered_map<std::string, fs::path> resolved_;  ///< by the folder as written
     std::map<fs::path, std::unordered_set<std::string>> links_;
 };

@@ -45,10 +45,10 @@ struct Node {
     bool per_frame_input = false;  ///< at least one input arrives per frame
     FrameSet taken;                ///< the frames that its inputs have
     FrameSet frames;  ///< the frames in which it delivers: those taken, unless it retimes them
-    Provenance
-        provenance;  ///< of a writer: what its files state, except checksums (state_provenance)
-    std::vector<Link>
-        checksummed;  ///< of a writer: outputs upstream whose checksums its files state, too
+    /// Of a writer: what its files state, except checksums (state_provenance)
+    Provenance provenance;
+    /// Of a writer: outputs upstream whose checksums its files state, too.
+    std::vector<Link> checksummed;
 
     std::vector<Problem> warnings;  ///< what its check warns of
 

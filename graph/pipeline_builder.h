@@ -443,10 +443,10 @@ private:
     Problems& problems_;
     std::vector<NodeDraft> drafts_;
     std::map<std::string, std::size_t> index_;  ///< name to index in `drafts_`
-    std::set<std::string>
-        known_;  ///< all node names in the file, also of nodes with an unknown type
-    std::set<std::string>
-        sequences_;  ///< nodes that read a file per frame, and nodes downstream of them
+    /// All node names in the file, also of nodes with an unknown type.
+    std::set<std::string> known_;
+    /// Nodes that read a file per frame, and nodes downstream of them.
+    std::set<std::string> sequences_;
     std::vector<std::string> notes_;  ///< Pipeline::notes
 };
 

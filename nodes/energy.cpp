@@ -75,9 +75,8 @@ NodeType energy_combine() {
                "One weight per term. Empty: all are 1.")
         .param("range", &Combine::Params::range,
                "The interval that is remapped to [0, 1]; values outside are clamped. Auto: from "
-               "the smallest to the largest active value of the sequence, "
-               "found in an extra pass. A list states one interval or auto per term. A constant "
-               "term counts as 0.")
+               "the smallest to the largest active value of the sequence, found in an extra pass. "
+               "A list states one interval or auto per term. A constant term counts as 0.")
         .output("energy", &Combine::Ports::energy,
                 "From 0 to the sum of the weights, on the voxels that are active in any term.")
         .digests({"terms", "range"})
@@ -221,8 +220,8 @@ NodeType energy_remap() {
         .input("energy", &EnergyRemap::Ports::energy, "An energy, density or any other field.")
         .param("range", &EnergyRemap::Params::range, Unit::none, any_number(),
                "The interval that becomes `to`, in the unit of `energy`. Auto: from the smallest "
-               "to the largest active value of the sequence, found in an "
-               "extra pass. If both are equal, every value counts as the low end.")
+               "to the largest active value of the sequence, found in an extra pass. If both are "
+               "equal, every value counts as the low end.")
         .param("to", &RemapCurve::to, Unit::none, any_number(),
                "The interval that `range` is mapped to.")
         .param(
@@ -310,10 +309,9 @@ NodeType energy_surface() {
                "Weight of velocity . velocity; lambda in the paper.")
         .param("range", &SurfaceEnergy::Params::range,
                "The interval of each term that is remapped to [0, 1] before weighting; values "
-               "outside are clamped. Auto: from the smallest to the largest active "
-               "value of the sequence, found in an extra pass. A list states one interval or auto "
-               "per term: curvature, then kinetic energy. A constant term "
-               "counts as 0.")
+               "outside are clamped. Auto: from the smallest to the largest active value of the "
+               "sequence, found in an extra pass. A list states one interval or auto per term: "
+               "curvature, then kinetic energy. A constant term counts as 0.")
         .output("energy", &SurfaceEnergy::Ports::energy,
                 "From 0 to the sum of the terms' weights, on the voxels that are active in either "
                 "input.")
@@ -399,12 +397,12 @@ NodeType energy_volume() {
                "Weight of velocity . velocity; lambda 1 in the paper.")
         .param("gradient", &VolumeWeights::gradient, Unit::none, at_least(0),
                "Weight of |grad field|, for each field; lambda 2 in the paper.")
-        .param("range", &VolumeEnergy::Params::range,
-               "The interval of each term that is remapped to [0, 1] before weighting; values "
-               "outside are clamped. Auto: from the smallest to the largest active "
-               "value of the sequence, found in an extra pass. A list states one interval or auto "
-               "per term: vorticity, kinetic energy, then the gradient of each "
-               "field. A constant term counts as 0.")
+        .param(
+            "range", &VolumeEnergy::Params::range,
+            "The interval of each term that is remapped to [0, 1] before weighting; values outside "
+            "are clamped. Auto: from the smallest to the largest active value of the sequence, "
+            "found in an extra pass. A list states one interval or auto per term: vorticity, "
+            "kinetic energy, then the gradient of each field. A constant term counts as 0.")
         .output(
             "energy", &VolumeEnergy::Ports::energy,
             "From 0 to the sum of the terms' weights, on the voxels that are active in any input.")

@@ -250,8 +250,8 @@ NodeType energy_image() {
                "The picture: a volume with a float grid per channel, or one grid.")
         .param("channels", &ImageEnergy::Params::channels,
                "The intensity is the mean of these grids. Auto: 0.2126 R + 0.7152 G + 0.0722 B, if "
-               "need be of a layer, such as ViewLayer.Combined; without "
-               "these channels, the mean of all but opacity (A, alpha), depth and identities.")
+               "need be of a layer, such as ViewLayer.Combined; without these channels, the mean "
+               "of all but opacity (A, alpha), depth and identities.")
         .output(
             "energy", &ImageEnergy::Ports::energy,
             "|dI/dx| + |dI/dy|, units of the channels per pixel, on the active voxels of `source`.")

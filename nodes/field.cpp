@@ -92,8 +92,8 @@ NodeType field_curvature() {
                "A level set, or any field: its level surfaces count.")
         .output("curvature", &FieldCurvature::Ports::curvature,
                 "1 per world unit, on the field's active voxels: 2 / radius on a ball, above 0 "
-                "where a level set bulges outward. It is 0 where a neighbour is "
-                "inactive, and limited to that of a ball with a radius of one voxel.")
+                "where a level set bulges outward. It is 0 where a neighbour is inactive, and "
+                "limited to that of a ball with a radius of one voxel.")
         .kept()
         .in_place();
 }

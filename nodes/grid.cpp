@@ -55,8 +55,8 @@ NodeType grid_crop() {
                   "Highest corner of the box.")
         .output("volume", &Crop::Ports::volume,
                 "The same grids. Voxels whose centres lie outside have the background and are "
-                "inactive; of turned voxels, the box around the box along their axes "
-                "counts. Points stay.")
+                "inactive; of turned voxels, the box around the box along their axes counts. "
+                "Points stay.")
         .names_as("volume", "source");
 }
 
@@ -164,8 +164,8 @@ NodeType grid_resample() {
                "voxels stand along the world's axes.")
         .output("volume", &Resample::Ports::volume,
                 "The same grids. Floats and vectors are read linearly, whole numbers and states "
-                "from the nearest voxel; level sets keep their narrow band. "
-                "Staggered vectors become collocated. Points stay.")
+                "from the nearest voxel; level sets keep their narrow band. Staggered vectors "
+                "become collocated. Points stay.")
         .names_as("volume", "source");
 }
 

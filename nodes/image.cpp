@@ -112,15 +112,14 @@ NodeType image_read() {
     return Declare<ImageRead>(
                "image.read",
                "Reads images, or videos as sequences of images (PNG, EXR, JPEG, TIFF): one float "
-               "grid per channel, one voxel of size 1 per "
-               "pixel, the lower left pixel at [0, 0, 0]. Pictures are turned upright by the "
-               "file's orientation. Values are not converted, "
-               "except that integers are divided by the largest value of their depth.")
+               "grid per channel, one voxel of size 1 per pixel, the lower left pixel at [0, 0, "
+               "0]. Pictures are turned upright by the file's orientation. Values are not "
+               "converted, except that integers are divided by the largest value of their depth.")
         .required("path", &Params::path, "File, or sequence with a frame token such as ####.")
         .param("channels", &Params::channels,
                "Channels to offer as outputs, for masks and terms of an energy: `{matte: A}` makes "
-               "`photo.matte` from channel A. Channels are called R, G, B, A, "
-               "Y (grey), or as in the file.")
+               "`photo.matte` from channel A. Channels are called R, G, B, A, Y (grey), or as in "
+               "the file.")
         .param("missing", &Params::missing, missing_doc)
         .output("volume", &ImageRead::Ports::volume,
                 "All channels, in the order of the file, with the file's attributes.")
@@ -254,10 +253,10 @@ NodeType image_write() {
     return Declare<ImageWrite>(
                "image.write",
                "Writes images: the box of a volume's active voxels, one pixel per voxel, so that a "
-               "carved image comes out narrower. Depth, channel names and "
-               "attributes of the image that was read are kept as far as the format holds them. "
-               "Values are not converted, except for opacity: colours are "
-               "multiplied by it in EXR, and not in PNG. A file appears whole or not at all.")
+               "carved image comes out narrower. Depth, channel names and attributes of the image "
+               "that was read are kept as far as the format holds them. Values are not converted, "
+               "except for opacity: colours are multiplied by it in EXR, and not in PNG. A file "
+               "appears whole or not at all.")
         .input("source", &ImageWrite::Ports::source,
                "A volume whose float grids are the channels, in one plane of voxels; or one grid.")
         .required("path", &Params::path,
@@ -266,11 +265,10 @@ NodeType image_write() {
         .param("channels", &Params::channels, "Grids to write, in this order. Auto is all of them.")
         .param("depth", &Params::depth,
                "Depth of all channels. Auto: as each was read, or, if the format does not hold "
-               "that, the smallest depth that loses nothing (8 bits become half "
-               "floats in EXR); for grids made by nodes, the largest depth of the format. PNG "
-               "holds uint8 and uint16, JPEG uint8, TIFF all but half, EXR half "
-               "and float. Values outside the range of a depth are clamped, with a warning that "
-               "counts them.")
+               "that, the smallest depth that loses nothing (8 bits become half floats in EXR); "
+               "for grids made by nodes, the largest depth of the format. PNG holds uint8 and "
+               "uint16, JPEG uint8, TIFF all but half, EXR half and float. Values outside the "
+               "range of a depth are clamped, with a warning that counts them.")
         .param("quality", &Params::quality, Unit::none, between(1, 100),
                "JPEG quality. Even 100 is not lossless.");
 }

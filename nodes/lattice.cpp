@@ -72,19 +72,19 @@ NodeType lattice_around() {
     Declare<LatticeAround> node(
         "lattice.around",
         "Builds a lattice around a rig: `u` is the distance from the rig, and `v` runs around it "
-        "and closes. Seams across `u` make a trail, a jet or a column "
-        "of smoke thinner or thicker from all sides. A moving rig gets one lattice per frame, each "
-        "with as many planes as the longest rig needs.");
+        "and closes. Seams across `u` make a trail, a jet or a column of smoke thinner or thicker "
+        "from all sides. A moving rig gets one lattice per frame, each with as many planes as the "
+        "longest rig needs.");
     node.input("rig", &LatticeAround::Ports::rig,
                "The path through the middle of what is carved: static, or one per frame.")
         .required("spacing", &Params::spacing, Unit::world, at_least(0),
                   "Distance between neighbouring vertices along `u` and along the rig, above 0. If "
-                  "in doubt, use the voxel size. On a closed rig, the distance "
-                  "between planes is adjusted so that it fits a whole number of times.")
-        .required("radius", &Params::radius, Unit::world, at_least(0),
-                  "How far the lattice reaches from the rig. It should hold the content: what lies "
-                  "beyond does not move. The outermost vertices stand one "
-                  "spacing apart along `v`.");
+                  "in doubt, use the voxel size. On a closed rig, the distance between planes is "
+                  "adjusted so that it fits a whole number of times.")
+        .required(
+            "radius", &Params::radius, Unit::world, at_least(0),
+            "How far the lattice reaches from the rig. It should hold the content: what lies "
+            "beyond does not move. The outermost vertices stand one spacing apart along `v`.");
     return declare_lattice(node);
 }
 
@@ -211,11 +211,10 @@ struct Box {
     void add(const Params&, const Ref<ActiveBox>& in, Context& context) {
         if (in->voxels.empty()) return;
         if (!in->transform->isLinear())
-            throw Failure(
-                fmt::format("grid '{}' has voxels of varying shape ({}) in frame {}; a box fits "
-                            "voxels of one shape, as grid.resample makes them: "
-                            "or state 'min', 'max' and 'spacing' instead",
-                            in->name, in->transform->mapType(), context.frame()));
+            throw Failure(fmt::format(
+                "grid '{}' has voxels of varying shape ({}) in frame {}; a box fits voxels of one "
+                "shape, as grid.resample makes them: or state 'min', 'max' and 'spacing' instead",
+                in->name, in->transform->mapType(), context.frame()));
         voxels_.require(fmt::format("grid '{}'", in->name), *in->transform, context.frame());
         name_ = in->name;
         // A container may move from frame to frame.
@@ -253,11 +252,11 @@ struct Box {
         const auto& transform = *voxels_.transform();
         const auto counts = extents_of(box_);
         if (*std::max_element(counts.begin(), counts.end()) > most_vertices)
-            throw Failure(fmt::format("the active voxels of grid '{}' span {}; {} along an axis is "
-                                      "the most: crop the grid, or state 'min', 'max' and "
-                                      "'spacing' of a part",
-                                      name_, span_text(box_), most_vertices),
-                          Failure::Kind::input);
+            throw Failure(
+                fmt::format("the active voxels of grid '{}' span {}; {} along an axis is the most: "
+                            "crop the grid, or state 'min', 'max' and 'spacing' of a part",
+                            name_, span_text(box_), most_vertices),
+                Failure::Kind::input);
         if (cubes_along_axes(transform)) {
             const std::array<int, 3> shape{static_cast<int>(counts[0]), static_cast<int>(counts[1]),
                                            static_cast<int>(counts[2])};
@@ -293,10 +292,10 @@ NodeType lattice_box() {
     return Declare<Box>("lattice.box",
                         "A straight lattice, given by its corners or fitted around the active "
                         "voxels of a grid over all frames.")
-        .input("fit", &Box::Ports::fit,
-               "A grid, or a list. The lattice gets a vertex at each voxel of the first one, in "
-               "the box around the active voxels of all, over all frames. "
-               "Replaces min, max and spacing.")
+        .input(
+            "fit", &Box::Ports::fit,
+            "A grid, or a list. The lattice gets a vertex at each voxel of the first one, in the "
+            "box around the active voxels of all, over all frames. Replaces min, max and spacing.")
         .param("min", &Box::Params::min, Unit::world, any_number(), "Position of the first vertex.")
         .param("max", &Box::Params::max, Unit::world, any_number(),
                "Position of the last vertex, a whole number of spacings (0 or more) from `min`.")
@@ -385,16 +384,15 @@ private:
 
 NodeType lattice_build() {
     using Params = LatticeBuild::Params;
-    Declare<LatticeBuild> node(
-        "lattice.build",
-        "Builds a lattice along a rig. Its planes stand across the rig, at equal distances, and do "
-        "not twist. A moving rig gets one lattice per frame, "
-        "each with as many planes as the longest rig needs.");
+    Declare<LatticeBuild> node("lattice.build",
+                               "Builds a lattice along a rig. Its planes stand across the rig, at "
+                               "equal distances, and do not twist. A moving rig gets one lattice "
+                               "per frame, each with as many planes as the longest rig needs.");
     node.input("rig", &LatticeBuild::Ports::rig, "The path: static, or one per frame.")
         .required("spacing", &Params::spacing, Unit::world, at_least(0),
                   "Distance between neighbouring vertices, above 0. If in doubt, use the voxel "
-                  "size. On a closed rig, the distance between planes is adjusted "
-                  "so that it fits a whole number of times.")
+                  "size. On a closed rig, the distance between planes is adjusted so that it fits "
+                  "a whole number of times.")
         .required("extent_u", &Params::extent_u, Unit::world, any_number(),
                   "Where the lattice begins and ends along `u`; 0 is the rig. The first vertex "
                   "lies at the lower end, the last one at most at the upper end.")
@@ -403,12 +401,10 @@ NodeType lattice_build() {
                   "to the rig.")
         .param("flip_u", &Params::flip_u,
                "Reverses `u`. Otherwise `u` is `v x w` (right-handed): it points outwards on a "
-               "circle, and inwards on a loop that runs counter-clockwise seen "
-               "from `up`.")
+               "circle, and inwards on a loop that runs counter-clockwise seen from `up`.")
         .param("mapping", &Params::mapping,
                "How positions are located: by the true inverse, or, for comparison, by the paper's "
-               "closed form and plane directions, which blur where planes "
-               "turn.");
+               "closed form and plane directions, which blur where planes turn.");
     return declare_lattice(node);
 }
 

@@ -68,8 +68,7 @@ NodeType mask_below_surface() {
                "Distance from the uppermost surface down to the mask, rounded to voxels.")
         .output("mask", &BelowSurface::Ports::mask,
                 "The voxels below the uppermost surface, also beneath overhangs, down to the "
-                "lowest active voxel. Give it the weight 0 in mask.weight, `mode: "
-                "multiply`.")
+                "lowest active voxel. Give it the weight 0 in mask.weight, `mode: multiply`.")
         .kept();
 }
 

@@ -55,11 +55,10 @@ NodeType mesh_read() {
         .param("missing", &Params::missing, missing_doc)
         .param("translate", &Params::translate, Unit::world, any_number(),
                "Position of the file's origin in the shot's world; the writer undoes it. Meshes of "
-               "Blender's liquid caches are in units of the domain's "
-               "longest side, around its centre: set `scale` to the cells along the longest side "
-               "times the voxel size, and `translate` to the domain's low "
-               "corner plus half its cells times the voxel size (`file_base_resolution` and "
-               "`file_voxel_size` of its grids).")
+               "Blender's liquid caches are in units of the domain's longest side, around its "
+               "centre: set `scale` to the cells along the longest side times the voxel size, and "
+               "`translate` to the domain's low corner plus half its cells times the voxel size "
+               "(`file_base_resolution` and `file_voxel_size` of its grids).")
         .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6),
                "World units of the shot per unit of the file, applied before `translate`.")
         .output("mesh", &MeshRead::Ports::mesh,
@@ -106,12 +105,12 @@ NodeType mesh_write() {
                               "whole or not at all.")
         .input("source", &MeshWrite::Ports::source,
                "The mesh. In the format of its file it is written as it was read: positions of "
-               "vertices that did not move, faces and their order, UVs, groups, "
-               "materials. A warning names what another format can't hold.")
+               "vertices that did not move, faces and their order, UVs, groups, materials. A "
+               "warning names what another format can't hold.")
         .required("path", &Params::path,
                   "A .obj, .ply, .off, .stl or .usda file; with a frame token such as #### if the "
-                  "source comes per frame. Missing folders are made. Meshes in .usda "
-                  "files are not subdivided; usd.write puts them beside volumes.")
+                  "source comes per frame. Missing folders are made. Meshes in .usda files are not "
+                  "subdivided; usd.write puts them beside volumes.")
         .param("translate", &Params::translate, Unit::world, any_number(),
                "The placement of a reader to undo. Auto: that of the mesh's reader; meshes made by "
                "nodes, and those in .usda files, stay in the shot's world.")

@@ -52,10 +52,10 @@ NodeType points_keep_out() {
                "The particles. Those outside of the solid stay bit for bit.")
         .input("solid", &KeepOut::Ports::solid,
                "A level set, negative inside, such as sdf.from_mesh of the carved bank.")
-        .output("points", &KeepOut::Ports::points,
-                "The particles. None is in the solid, except those too deep in it for its narrow "
-                "band to show the way out. The report's section `points` "
-                "counts moved and stuck particles.");
+        .output(
+            "points", &KeepOut::Ports::points,
+            "The particles. None is in the solid, except those too deep in it for its narrow band "
+            "to show the way out. The report's section `points` counts moved and stuck particles.");
 }
 
 template <>
@@ -114,11 +114,10 @@ NodeType points_read() {
         .param("missing", &PointsRead::Params::missing, missing_doc)
         .param("offset", &PointsRead::Params::offset,
                "Offset of a VDB file's points relative to its other grids. none: positions as in "
-               "the file. half_voxel: half a voxel lower along each axis, as "
-               "in Blender's liquids. Auto recognises Blender's files by their grids: `particles` "
-               "or `shadow`, together with `velocity` or `density`; state "
-               "half_voxel for Blender files with particles alone. Writers of VDB files undo the "
-               "offset.")
+               "the file. half_voxel: half a voxel lower along each axis, as in Blender's liquids. "
+               "Auto recognises Blender's files by their grids: `particles` or `shadow`, together "
+               "with `velocity` or `density`; state half_voxel for Blender files with particles "
+               "alone. Writers of VDB files undo the offset.")
         .param("translate", &PointsRead::Params::translate, Unit::world, any_number(),
                "Position of the file's origin in the shot's world, as for vdb.read of the same "
                "file; the writer undoes it.")
@@ -209,16 +208,14 @@ NodeType points_write() {
                "The points. Unchanged points are written as they were read.")
         .input("beside", &PointsWrite::Ports::beside,
                "Other grids to write to the same VDB file. The source replaces a point grid of the "
-               "same name, else it comes last. Blender's files are "
-               "recognised by their grids: for particles without `velocity` or `density`, "
-               "points.read needs `offset: half_voxel`.")
+               "same name, else it comes last. Blender's files are recognised by their grids: for "
+               "particles without `velocity` or `density`, points.read needs `offset: half_voxel`.")
         .required("path", &PointsWrite::Params::path,
                   "File, .vdb, .ply or .usda; with a frame token such as #### if the source comes "
-                  "per frame. Missing folders are made. PLY holds no grid metadata, "
-                  "texts, "
+                  "per frame. Missing folders are made. PLY holds no grid metadata, texts, "
                   "matrices or 64-bit integers. Vectors become `name_x`, `name_y`, `name_z`, "
-                  "groups 0 or 1 in `group_name`. Positions in PLY include the offset of "
-                  "the reader. USD holds what PLY does; usd.write puts such files beside volumes.")
+                  "groups 0 or 1 in `group_name`. Positions in PLY include the offset of the "
+                  "reader. USD holds what PLY does; usd.write puts such files beside volumes.")
         .param("encoding", &PointsWrite::Params::encoding,
                "Encoding of PLY files. Auto: as the source's file, or little_endian if that was "
                "not PLY.")

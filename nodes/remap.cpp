@@ -107,35 +107,30 @@ NodeType remap_grids() {
                    "Seams or a warp, or a list of them in the order of carving.")
             .param("count", &RemapGrids::Params::count, Unit::seams, any_number(),
                    "Number of seams to carve, from the first on. If there are several sets, it "
-                   "counts in the last one. The sign may be left out. auto is all. A "
-                   "warp is "
+                   "counts in the last one. The sign may be left out. auto is all. A warp is "
                    "carved as a whole: leave `count` out.")
             .param("interpolation", &RemapGrids::Params::interpolation,
                    "How values are read between voxels, if the lattice's vertices are not voxels.")
             .param("renormalize", &RemapGrids::Params::renormalize,
                    "Whether level sets (float or double, class level set) become distances again "
-                   "where they moved, with a new narrow band there. auto: if their "
-                   "voxels are cubes, and their background is above 0.")
+                   "where they moved, with a new narrow band there. auto: if their voxels are "
+                   "cubes, and their background is above 0.")
             .param("conserve", &RemapGrids::Params::conserve,
                    "mass: the grids named in `densities` become denser where space is compressed "
-                   "and thinner where it is stretched, so that their sum stays. A "
-                   "seam's "
-                   "share is spread over as many voxels on both sides as there are seams.")
+                   "and thinner where it is stretched, so that their sum stays. A seam's share is "
+                   "spread over as many voxels on both sides as there are seams.")
             .param("densities", &RemapGrids::Params::densities,
                    "For `conserve`: float or double grids that hold amounts per volume, such as "
                    "density and fuel, but not temperature.")
             .param("transform_vectors", &RemapGrids::Params::transform_vectors,
                    "Whether vectors turn and stretch with the space around them, as the velocities "
-                   "of a carved flow do. This applies to all grids of float "
-                   "vectors, "
-                   "also those in three parts: carve colours by a node of their own.")
+                   "of a carved flow do. This applies to all grids of float vectors, also those in "
+                   "three parts: carve colours by a node of their own.")
             .param("rim", &RemapGrids::Params::rim,
                    "How the carve ends at the lattice's rims beside the carved axis (the rims "
-                   "along v if u is carved) and at open ends. cut: it stops there; "
-                   "content "
-                   "that crosses the rim may tear, and a warning says so. fade: displacements go "
-                   "linearly to 0 towards the rim, and so does what a seam takes or "
-                   "adds.")
+                   "along v if u is carved) and at open ends. cut: it stops there; content that "
+                   "crosses the rim may tear, and a warning says so. fade: displacements go "
+                   "linearly to 0 towards the rim, and so does what a seam takes or adds.")
             .param("rim_fade", &RemapGrids::Params::rim_fade, Unit::vertices, between(1, 10000),
                    fade_doc)
             .output("volume", &RemapGrids::Ports::volume,
@@ -178,12 +173,11 @@ struct RemapMesh {
             const auto& [first, now] =
                 std::mismatch(io.mesh->points.begin(), io.mesh->points.end(), mesh->points.begin());
             if (first == io.mesh->points.end()) continue;
-            throw Failure(
-                fmt::format("the mesh is one file for all frames, but seams move vertex {} "
-                            "(counted from 0) differently in frame {} than in frame {}; leave "
-                            "`static` out to get one mesh per frame, or `protect` the mesh from "
-                            "seams with a mask.mesh",
-                            now - mesh->points.begin(), frame, io.seams.back()->frames.front()));
+            throw Failure(fmt::format(
+                "the mesh is one file for all frames, but seams move vertex {} (counted from 0) "
+                "differently in frame {} than in frame {}; leave `static` out to get one mesh per "
+                "frame, or `protect` the mesh from seams with a mask.mesh",
+                now - mesh->points.begin(), frame, io.seams.back()->frames.front()));
         }
     }
 
@@ -209,26 +203,22 @@ NodeType remap_mesh() {
                            "the space around them; faces, UVs and everything else stay.")
             .input("source", &Ports::source,
                    "The mesh. A mesh that is the same in all frames becomes one per frame, since "
-                   "seams move (see `static`). Where a seam is removed, the mesh is "
-                   "compressed; where one is inserted, it is stretched. Normals of the file stay "
-                   "as they are.")
+                   "seams move (see `static`). Where a seam is removed, the mesh is compressed; "
+                   "where one is inserted, it is stretched. Normals of the file stay as they are.")
             .input("lattice", &Ports::lattice, "The lattice in which the seams were found.")
             .input("seams", &Ports::seams,
                    "Seams or a warp, or a list of them in the order of carving.")
             .param("count", &Params::count, Unit::seams, any_number(),
                    "Number of seams to carve, from the first on. If there are several sets, it "
-                   "counts in the last one. The sign may be left out. auto is all. A "
-                   "warp is "
+                   "counts in the last one. The sign may be left out. auto is all. A warp is "
                    "carved as a whole: leave `count` out.")
             .param("rim", &Params::rim, "As in remap.grids; use the same value for both.")
             .param("rim_fade", &Params::rim_fade, Unit::vertices, between(1, 10000), fade_doc)
             .param("static", &Params::static_,
                    "Whether a mesh that is one file for all frames stays one file. Seams must then "
-                   "move it the same way in all frames; otherwise the node fails. "
-                   "They do so if they are the same in all frames, as in windows with `static: "
-                   "true`, or if they never pass through the mesh: `protect` its "
-                   "voxels "
-                   "(mask.mesh).")
+                   "move it the same way in all frames; otherwise the node fails. They do so if "
+                   "they are the same in all frames, as in windows with `static: true`, or if they "
+                   "never pass through the mesh: `protect` its voxels (mask.mesh).")
             .output("mesh", &Ports::mesh,
                     "The carved source. Vertices outside the lattice, or where nothing moves, are "
                     "the same to the last bit."));
@@ -276,10 +266,10 @@ struct RemapPoints {
 
 NodeType remap_points() {
     return declare_join(
-        Declare<RemapPoints>("remap.points",
-                             "Carves seams from points, or inserts them. Particles move; those "
-                             "that a removed seam takes are deleted, and those "
-                             "where a seam is inserted are doubled.")
+        Declare<RemapPoints>(
+            "remap.points",
+            "Carves seams from points, or inserts them. Particles move; those that a removed seam "
+            "takes are deleted, and those where a seam is inserted are doubled.")
             .input("source", &RemapPoints::Ports::source, "The points to carve.")
             .input("lattice", &RemapPoints::Ports::lattice,
                    "The lattice in which the seams were found. Points outside it stay bit for bit.")
@@ -287,8 +277,7 @@ NodeType remap_points() {
                    "Seams or a warp, or a list of them in the order of carving.")
             .param("count", &RemapPoints::Params::count, Unit::seams, any_number(),
                    "Number of seams to carve, from the first on. If there are several sets, it "
-                   "counts in the last one. The sign may be left out. auto is all. A "
-                   "warp is "
+                   "counts in the last one. The sign may be left out. auto is all. A warp is "
                    "carved as a whole: leave `count` out.")
             .param("rim", &RemapPoints::Params::rim,
                    "How the carve ends at the lattice's rims, as in remap.grids; use the same "
@@ -297,14 +286,12 @@ NodeType remap_points() {
                    fade_doc)
             .param("jitter", &RemapPoints::Params::jitter, Unit::vertices, between(0, 0.5),
                    "Where seams are inserted, a copy stands one vertex from its original, plus a "
-                   "random offset of up to this size along each axis. The offset is "
-                   "always the same for the same point. It stays the same from frame to frame if "
-                   "points have a whole number `id`; without one, set 0 if copies "
-                   "must not tremble.")
+                   "random offset of up to this size along each axis. The offset is always the "
+                   "same for the same point. It stays the same from frame to frame if points have "
+                   "a whole number `id`; without one, set 0 if copies must not tremble.")
             .output("points", &RemapPoints::Ports::points,
                     "The carved source, with all attributes and groups. The report's section "
-                    "`points` tells how many were moved, deleted and copied in each "
-                    "frame."));
+                    "`points` tells how many were moved, deleted and copied in each frame."));
 }
 
 namespace {
@@ -351,8 +338,7 @@ NodeType filter_seam() {
                "The `count` with which the volume was carved. auto is all seams.")
         .param("filter", &FilterSeam::Params::filter,
                "mean: of a cube of voxels. median: of the same cube; removes specks and keeps "
-               "edges. gaussian: four means in a row, within 5 % of a true "
-               "Gaussian.")
+               "edges. gaussian: four means in a row, within 5 % of a true Gaussian.")
         .param("width", &FilterSeam::Params::width, Unit::voxels, between(1, 8),
                "Voxels from the middle of the cube to its sides: 1 is a cube of 3 x 3 x 3 voxels.")
         .output("volume", &FilterSeam::Ports::volume,

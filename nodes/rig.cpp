@@ -105,8 +105,7 @@ NodeType rig_circle() {
                "Normal of the circle's plane. The rig runs clockwise, seen from the normal's tip.")
         .required("radius", &Params::radius, Unit::world, at_least(0),
                   "Radius, above 0. An oval has two, `[r1, r2]`: along the world's x axis "
-                  "projected into its plane (the y axis, if the normal is along x), and "
-                  "across.")
+                  "projected into its plane (the y axis, if the normal is along x), and across.")
         .param("start", &Params::start, Unit::none, any_number(),
                "Angle of the first plane, in degrees from the direction of the first radius, "
                "clockwise. The lattice closes there.")
@@ -231,19 +230,19 @@ NodeType rig_curve() {
                "A rig from a curve in a file, or one per frame from a sequence of files.")
         .required("path", &Params::path,
                   "A .obj file with a curve as lines (`l`), a .ply file in ascii with its points "
-                  "in order, or a .csv file with a point per line, columns x, y, "
-                  "z. With a frame token such as #### the rig moves.")
+                  "in order, or a .csv file with a point per line, columns x, y, z. With a frame "
+                  "token such as #### the rig moves.")
         .param("closed", &Params::closed,
                "Whether the rig returns from its last point to its first. auto: yes, if the file "
                "ends with its first point.")
         .param("up", &Params::up, Unit::none, any_number(),
                "Direction of the lattice's `v` at the first point; made orthogonal to the path.")
-        .param("axes", &Params::axes,
-               "Which of the file's axes points up in the shot. as_is: the shot's axes are the "
-               "file's. y_to_z: the file has y up and the shot z, as when Blender "
-               "exports an OBJ file with its default settings; (x, y, z) becomes (x, -z, y). "
-               "z_to_y: the other way round; (x, y, z) becomes (x, z, -y). Applied "
-               "first; `up` is a direction in the shot.")
+        .param(
+            "axes", &Params::axes,
+            "Which of the file's axes points up in the shot. as_is: the shot's axes are the "
+            "file's. y_to_z: the file has y up and the shot z, as when Blender exports an OBJ file "
+            "with its default settings; (x, y, z) becomes (x, -z, y). z_to_y: the other way round; "
+            "(x, y, z) becomes (x, z, -y). Applied first; `up` is a direction in the shot.")
         .param("translate", &Params::translate, Unit::world, any_number(),
                "Position of the file's origin in the shot's world.")
         .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6),
@@ -345,16 +344,15 @@ NodeType rig_points() {
                "Two points or more, in order: `[[0, 0, 0], [0, 4, 0], [1, 6, 0]]`.")
         .param("frames", &RigPoints::Params::frames, Unit::world, any_number(),
                "A moving rig, instead of `points`: a list of points for some frames, `{1: [[0, 0, "
-               "0], [0, 4, 0]], 20: [[0, 0, 0], [1, 4, 0]]}`. Between two such "
-               "frames each point moves in a straight line; before the first and after the last it "
-               "stands still.")
+               "0], [0, 4, 0]], 20: [[0, 0, 0], [1, 4, 0]]}`. Between two such frames each point "
+               "moves in a straight line; before the first and after the last it stands still.")
         .param("closed", &RigPoints::Params::closed,
                "Whether the rig returns from its last point to its first. Do not state the first "
                "point again.")
         .param("up", &RigPoints::Params::up, Unit::none, any_number(),
                "Direction of the lattice's `v` at the first point; made orthogonal to the path. If "
-               "a closed rig runs counter-clockwise, seen from the tip of "
-               "`up`, then `u` points inwards.")
+               "a closed rig runs counter-clockwise, seen from the tip of `up`, then `u` points "
+               "inwards.")
         .output("rig", &RigPoints::Ports::rig, "The rig.");
 }
 
@@ -409,8 +407,7 @@ NodeType rig_transform() {
         .input("rig", &RigTransform::Ports::rig, "The rig.")
         .param("smooth", &Params::smooth, Unit::none, between(0, 1e6),
                "Number of smoothing steps. In each, every point becomes the mean of itself and its "
-               "two neighbours. The ends of an open rig stay; a circle "
-               "shrinks.")
+               "two neighbours. The ends of an open rig stay; a circle shrinks.")
         .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6),
                "Factor for all distances from `pivot`.")
         .param("pivot", &Params::pivot, Unit::world, any_number(),

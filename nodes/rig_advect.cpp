@@ -198,8 +198,7 @@ private:
         if (furthest <= apart_ * (1 + 1e-9)) return;
         context.warn(fmt::format(
             "the rig moves by up to {:.3g} from frame {} to frame {}, more than the {:.3g} between "
-            "its points, and seams would jump with it: "
-            "state a larger 'steady' than {}",
+            "its points, and seams would jump with it: state a larger 'steady' than {}",
             furthest, context.frames()[at - 1], context.frames()[at], apart_, params.steady));
     }
 
@@ -213,11 +212,11 @@ private:
 
 NodeType rig_advect() {
     using Params = RigAdvect::Params;
-    return Declare<RigAdvect>("rig.advect",
-                              "A rig that follows the flow. Each frame adds points around a seed, "
-                              "and the flow moves all points on. The rig runs from the seed "
-                              "through the centroid of each frame's points. Points that left the "
-                              "flow do not count.")
+    return Declare<RigAdvect>(
+               "rig.advect",
+               "A rig that follows the flow. Each frame adds points around a seed, and the flow "
+               "moves all points on. The rig runs from the seed through the centroid of each "
+               "frame's points. Points that left the flow do not count.")
         .input("velocity", &RigAdvect::Ports::velocity, "Velocity, staggered or not.")
         .required("seed", &Params::seed, Unit::world, any_number(), "Where the flow comes from.")
         .required("radius", &Params::radius, Unit::world, at_least(0),
@@ -226,34 +225,33 @@ NodeType rig_advect() {
                "Number of points that each frame adds.")
         .param("scale", &Params::scale, Unit::none, any_number(),
                "How far a velocity of 1 moves a point from one frame to the next, in `scale_unit`: "
-               "1/24 for world units per second at 24 frames. Blender's "
-               "velocities are roughly tenths of a voxel per frame: use 0.1 and `scale_unit: "
-               "voxel`. A larger value makes the rig longer if there are few "
-               "frames.")
+               "1/24 for world units per second at 24 frames. Blender's velocities are roughly "
+               "tenths of a voxel per frame: use 0.1 and `scale_unit: voxel`. A larger value makes "
+               "the rig longer if there are few frames.")
         .param("scale_unit", &Params::scale_unit,
                "What `scale` counts: world units, or voxels of the velocity.")
         .param("apart", &Params::apart, Unit::world, at_least(0),
                "Smallest distance between neighbouring points of the rig: centroids nearer to the "
-               "one before are left out. A moving rig is then drawn anew in "
-               "steps of about this length. auto is a voxel.")
+               "one before are left out. A moving rig is then drawn anew in steps of about this "
+               "length. auto is a voxel.")
         .param(
             "up", &Params::up, Unit::none, any_number(),
             "Direction of the lattice's `v` at the start of the rig; made orthogonal to the path.")
         .param("animate", &Params::animate,
                "A rig of its own for each frame, through the centroids as they are in that frame. "
-               "Where no points have come yet, it runs along the way that "
-               "the first ones take later. All rigs have the same length and number of points.")
+               "Where no points have come yet, it runs along the way that the first ones take "
+               "later. All rigs have the same length and number of points.")
         .param("length", &Params::length, Unit::world, at_least(0),
                "Length of a moving rig: it is cut there, or goes on straight, in the direction "
                "from its start to its end. auto: as long as the longest is.")
         .param("steady", &Params::steady, Unit::none, between(0, 1000),
                "Frames before and after a frame that have a share in its rig, the nearer the more. "
-               "0 follows the flow as it is. A warning says if the rig still "
-               "moves by more than `apart` from a frame to the next.")
+               "0 follows the flow as it is. A warning says if the rig still moves by more than "
+               "`apart` from a frame to the next.")
         .output("rig", &RigAdvect::Ports::rig,
                 "The rig: the seed, then the centroids, those of the latest points first. One for "
-                "all frames, with the centroids as they are in the last frame; "
-                "with `animate`, one per frame.")
+                "all frames, with the centroids as they are in the last frame; with `animate`, one "
+                "per frame.")
         .kept();
 }
 

@@ -63,8 +63,7 @@ NodeType seam_graph_cut() {
     return declare_solver(node)
         .param("keyframe_interval", &GraphCut::Params::keyframe_interval, Unit::frames, at_least(1),
                "The paper's method for long sequences, for comparison: cuts this many frames at a "
-               "time, as the frames before allow. auto is all frames; only "
-               "that is exact.")
+               "time, as the frames before allow. auto is all frames; only that is exact.")
         .param("threshold", &GraphCut::Params::threshold, Unit::none, at_least(0),
                "The paper's pruning, for comparison: energies below this count as 0.");
 }
@@ -106,11 +105,10 @@ NodeType seam_greedy() {
     return declare_solver(node)
         .param("starts", &Greedy::Params::starts, Unit::none, between(1, 4096),
                "Number of searches that start side by side; the cheapest seam wins.")
-        .param(
-            "guide", &Greedy::Params::guide,
-            "How a seam through a closed lattice is led back to its start. `cone` allows only "
-            "entries from which the seam can still close. `gaussian` adds the "
-            "paper's Gaussian, which also draws the seam back from afar. Seams close either way.");
+        .param("guide", &Greedy::Params::guide,
+               "How a seam through a closed lattice is led back to its start. `cone` allows only "
+               "entries from which the seam can still close. `gaussian` adds the paper's Gaussian, "
+               "which also draws the seam back from afar. Seams close either way.");
 }
 
 template <>
@@ -138,9 +136,9 @@ NodeType seam_pyramid() {
     Declare<PyramidNode> node(
         "seam.pyramid",
         "Finds seams from coarse to fine, by messages in narrow strips. They are within half a "
-        "percent of the least energy in real smoke and fire, and "
-        "within one or two percent in rougher energies. They are exact in images and small "
-        "volumes, and never worse than those of `seam.greedy`.");
+        "percent of the least energy in real smoke and fire, and within one or two percent in "
+        "rougher energies. They are exact in images and small volumes, and never worse than those "
+        "of `seam.greedy`.");
     return declare_solver(node)
         .param("quality", &PyramidNode::Params::quality,
                "How often messages are passed to and fro at each resolution: once, several times, "

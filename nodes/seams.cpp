@@ -8,6 +8,7 @@
 #include "carve/volume/volume.h"
 #include "formats/file/output_file.h"
 #include "formats/geometry_file/ply.h"
+#include "formats/geometry_file/wireframe.h"
 #include "formats/seam_file/curves.h"
 #include "formats/seam_file/seam_file.h"
 #include "graph/types/node_type.h"
@@ -199,11 +200,11 @@ private:
 }  // namespace
 
 NodeType seams_choose() {
-    return Declare<Choose>("seams.choose",
-                           "Keeps the first seams of a set, as many as look best together with a "
-                           "warp of what is left of the carve: all of them, some or none. "
-                           "How a carve looks is estimated by its similarity to the field, with "
-                           "even scaling in place of the warp.")
+    return Declare<Choose>(
+               "seams.choose",
+               "Keeps the first seams of a set, as many as look best together with a warp of what "
+               "is left of the carve: all of them, some or none. How a carve looks is estimated by "
+               "its similarity to the field, with even scaling in place of the warp.")
         .input("seams", &Choose::Ports::seams, "Seams, as a solver found them; not in pairs.")
         .input("field", &Choose::Ports::field, "The grid that is seen, such as the density.")
         .input("lattice", &Choose::Ports::lattice, "The lattice in which the seams were found.")
@@ -247,12 +248,12 @@ struct CurvesWrite {
 }  // namespace
 
 NodeType seams_curves() {
-    return Declare<CurvesWrite>("seams.curves",
-                                "Writes seams as curves, to view them beside the data: lines along "
-                                "each seam, at its place before the carve, one file per "
-                                "frame. PLY has a colour for each seam, on vertices and edges; OBJ "
-                                "has an object for each. Positions are those of the shot's "
-                                "world, with its axes.")
+    return Declare<CurvesWrite>(
+               "seams.curves",
+               "Writes seams as curves, to view them beside the data: lines along each seam, at "
+               "its place before the carve, one file per frame. PLY has a colour for each seam, on "
+               "vertices and edges; OBJ has an object for each. Positions are those of the shot's "
+               "world, with its axes.")
         .input("lattice", &CurvesWrite::Ports::lattice,
                "The lattice in which the seams were found.")
         .input("seams", &CurvesWrite::Ports::seams, "The seams.")

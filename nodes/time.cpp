@@ -109,19 +109,18 @@ NodeType time_carve() {
     return Declare<TimeCarve>(
                "time.carve",
                "The same sequence, some frames shorter or longer, at its own pace: a slab of "
-               "frames leaves, or is shown twice, each place of it at the moment "
-               "when both sides match best there. What follows this node has the new frames.")
+               "frames leaves, or is shown twice, each place of it at the moment when both sides "
+               "match best there. What follows this node has the new frames.")
         .input("source", &TimeCarve::Ports::source, "The grids, or one grid.")
         .required("count", &TimeCarve::Params::count, Unit::frames, any_number(),
                   "Frames: negative removes, positive inserts. N% is a share of those of the "
-                  "source. What moves far in so many frames is seen to jump: take "
-                  "less, or several of these nodes one behind the other.")
+                  "source. What moves far in so many frames is seen to jump: take less, or several "
+                  "of these nodes one behind the other.")
         .param("start", &TimeCarve::Params::start, Unit::frames, any_number(),
                "Number of the first frame. auto is that of the source.")
         .output("volume", &TimeCarve::Ports::volume,
                 "The same grids. All but the places that just change are bit for bit those of a "
-                "frame of the source. Whole numbers, masks and points change at "
-                "one moment.")
+                "frame of the source. Whole numbers, masks and points change at one moment.")
         .names_as("volume", "source")
         .kept();
 }
@@ -264,8 +263,8 @@ private:
     /// A part of the source as a loop.
     struct Closed {
         std::size_t first = 0, length = 1, fade = 0;
-        double difference =
-            std::numeric_limits<double>::max();  ///< mean of the frames that fade into each other
+        /// Mean of the frames that fade into each other.
+        double difference = std::numeric_limits<double>::max();
     };
     /// The loop that closes best, of all lengths in a range.
     Closed best(const Params& params, std::size_t least, std::size_t most) const {
@@ -329,20 +328,19 @@ NodeType time_loop() {
     using Params = Loop::Params;
     return Declare<Loop>("time.loop",
                          "A loop of a wished length: of all parts of the sequence the one that "
-                         "closes best. Its last frames go over into those before its "
-                         "first, each place when both match best there.")
+                         "closes best. Its last frames go over into those before its first, each "
+                         "place when both match best there.")
         .input("source", &Loop::Ports::source, "The grids, or one grid.")
         .input(
             "velocity", &Loop::Ports::velocity,
             "Velocity, staggered or not. Where ends match is judged by where things move to, too.")
-        .required("frames", &Params::lengths,
-                  "Length of the loop, in frames. [20, 30] takes the length in this range that "
-                  "closes best, writes 30 frames in any case, in which it goes "
-                  "round, and reports the length.")
+        .required(
+            "frames", &Params::lengths,
+            "Length of the loop, in frames. [20, 30] takes the length in this range that closes "
+            "best, writes 30 frames in any case, in which it goes round, and reports the length.")
         .param("fade", &Params::fade, Unit::frames, between(1, 1e5),
                "Number of its last frames that fade. It is best if the source has so many frames "
-               "more than the loop: else its first frame is held. auto is a "
-               "quarter.")
+               "more than the loop: else its first frame is held. auto is a quarter.")
         .param("loops", &Params::loops, Unit::none, between(1, 1000),
                "How often the loop is written, one behind the other, to look at it.")
         .param("start", &Params::start, Unit::frames, any_number(),

@@ -159,8 +159,8 @@ NodeType time_retime() {
     using Params = Retime::Params;
     return Declare<Retime>("time.retime",
                            "The same sequence, faster, slower, backwards, held, or along a curve. "
-                           "Frames between those of the source are moved there from both of "
-                           "their neighbours. What follows this node has the new frames.")
+                           "Frames between those of the source are moved there from both of their "
+                           "neighbours. What follows this node has the new frames.")
         .input("source", &Retime::Ports::source, "The grids, or one grid.")
         .input("velocity", &Retime::Ports::velocity,
                "Velocity, staggered or not. It says where things move, and is itself scaled by the "
@@ -172,22 +172,20 @@ NodeType time_retime() {
                "Number of frames that show the whole source, instead of `speed`.")
         .param("curve", &PaceWish::curve,
                "Points [frame, frame of the source], instead of `speed`: [[1001, 1001], [1012, "
-               "1024], [1036, 1024]] runs twice as fast, then holds. Linear "
-               "between.")
+               "1024], [1036, 1024]] runs twice as fast, then holds. Linear between.")
         .param("start", &PaceWish::start, Unit::frames, any_number(),
                "Number of the first frame. auto is that of the source.")
-        .param("scale", &Params::scale, Unit::none, any_number(),
-               "How far a velocity of 1 moves from one frame to the next, world units: 1/24 for "
-               "world units per second at 24 frames. auto finds it in the "
-               "sequence; the report tells it.")
+        .param(
+            "scale", &Params::scale, Unit::none, any_number(),
+            "How far a velocity of 1 moves from one frame to the next, world units: 1/24 for world "
+            "units per second at 24 frames. auto finds it in the sequence; the report tells it.")
         .param("transport", &Params::transport,
                "How values are moved. mac_cormack is sharper, and takes twice as long.")
-        .output("volume", &Retime::Ports::volume,
-                "The same grids. Frames of the source stay bit for bit, but for a velocity whose "
-                "time goes faster or slower. Sums of floats between frames lie "
-                "between "
-                "theirs; level sets are distances; whole numbers, masks and points are those of "
-                "the nearer frame.")
+        .output(
+            "volume", &Retime::Ports::volume,
+            "The same grids. Frames of the source stay bit for bit, but for a velocity whose time "
+            "goes faster or slower. Sums of floats between frames lie between theirs; level sets "
+            "are distances; whole numbers, masks and points are those of the nearer frame.")
         .names_as("volume", "source")
         .kept();
 }

@@ -110,23 +110,22 @@ private:
 
 NodeType usd_write() {
     using Params = UsdWrite::Params;
-    return Declare<UsdWrite>("usd.write",
-                             "Writes one .usda file that holds a shot together, for Solaris, "
-                             "usdview and Omniverse: volumes in .vdb files, meshes and points in "
-                             ".usda files. It names the files of all frames of the sequence, "
-                             "whichever of them a run delivers. The file appears whole or not at "
-                             "all.")
+    return Declare<UsdWrite>(
+               "usd.write",
+               "Writes one .usda file that holds a shot together, for Solaris, usdview and "
+               "Omniverse: volumes in .vdb files, meshes and points in .usda files. It names the "
+               "files of all frames of the sequence, whichever of them a run delivers. The file "
+               "appears whole or not at all.")
         .input("volumes", &UsdWrite::Ports::volumes,
                "What the .vdb files hold, by the names in `files`: what their vdb.write takes. "
-               "Grids and their types are those of the middle frame. Grids of "
-               "points are left out.")
+               "Grids and their types are those of the middle frame. Grids of points are left out.")
         .required("path", &Params::path,
                   "The .usda file, one for all frames. It names other files as they lie from "
                   "there. Missing folders are made.")
         .required("files", &Params::files,
                   "Files that other nodes of the pipeline write, each with the name of its prim: "
-                  "`{smoke: out/smoke.####.vdb, bank: out/bank.####.usda}`. "
-                  "Attributes of meshes and points are those of the middle frame.")
+                  "`{smoke: out/smoke.####.vdb, bank: out/bank.####.usda}`. Attributes of meshes "
+                  "and points are those of the middle frame.")
         .param("fps", &Params::fps, Unit::none, between(0.001, 1000), "Frames per second.")
         .param("up", &Params::up,
                "The shot's axis that points up. In Blender it is z, in Houdini y.")
@@ -134,8 +133,7 @@ NodeType usd_write() {
                "Length of a world unit in metres.")
         .param("translate", &Params::translate, Unit::world, any_number(),
                "Where the .vdb files' space is in the shot's world, as stated at vdb.write: "
-               "volumes are moved there. Auto: by what the reader of their grids "
-               "was told.")
+               "volumes are moved there. Auto: by what the reader of their grids was told.")
         .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6), "The same for `scale`.");
 }
 

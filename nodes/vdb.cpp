@@ -417,17 +417,16 @@ NodeType vdb_read() {
                   "File, or sequence with a frame token such as ####.")
         .param("grids", &VdbRead::Params::grids,
                "Grids to offer as outputs, with their type: `density: float`, or under another "
-               "name: `velocity: {name: vel, type: vector}`. "
-               "If several grids have one name, `name[1]` is the second. "
-               "A vector `vel` is also read from three float grids `vel.x`, `vel.y`, `vel.z`, and "
-               "written back as three.")
+               "name: `velocity: {name: vel, type: vector}`. If several grids have one name, "
+               "`name[1]` is the second. A vector `vel` is also read from three float grids "
+               "`vel.x`, `vel.y`, `vel.z`, and written back as three.")
         .param("missing", &VdbRead::Params::missing, missing_doc)
         .param("profile", &VdbRead::Params::profile,
                "The application that wrote the files. If a file has no grid of a name under "
-               "`grids`, the application's name is tried (`velocity`: Houdini's "
-               "`vel`, Bifrost's `voxel_velocity`). Blender's velocities count as staggered "
-               "whatever their class, and its points are moved down by half a "
-               "voxel. Auto recognises the application by the grids and metadata of each file.")
+               "`grids`, the application's name is tried (`velocity`: Houdini's `vel`, Bifrost's "
+               "`voxel_velocity`). Blender's velocities count as staggered whatever their class, "
+               "and its points are moved down by half a voxel. Auto recognises the application by "
+               "the grids and metadata of each file.")
         .param("translate", &VdbRead::Params::translate, Unit::world, any_number(),
                "Position of the file's origin in the shot's world; the writer undoes it. Values, "
                "also velocities, are not changed.")

@@ -100,7 +100,7 @@ Json report_of(const Seams& set, const WarpParams& params, const WarpAmount* amo
     Json out{{"axis", to_text(set.axis)},
              {"shape", {set.shape[0], set.shape[1], set.shape[2], set.frames.size()}}};
     if (!amount || !amount->varies()) out["amount"] = set.warp ? set.warp->scale() : 0.0;
-    else if (params.amount) out["amount"] = ParamTraits<WarpAmount>::text(*amount);
+    else if (params.amount) out["amount"] = text_of(*amount);
     else out["amounts"] = amounts_in(set, *amount);
     if (set.warp) out["factor"] = set.warp->factor();
     out["steepest"] = set.warp ? steepest(*set.warp) : 0.0;
@@ -202,8 +202,8 @@ struct WarpSolve {
     /// A linear warp answers every amount up to where it is too tight.
     static std::string rest(const Params& params) {
         if (!params.amount) return "of a file";
-        if (params.rest) return "rest of " + ParamTraits<WarpAmount>::text(*params.amount);
-        if (params.amount->varies()) return ParamTraits<WarpAmount>::text(*params.amount);
+        if (params.rest) return "rest of " + text_of(*params.amount);
+        if (params.amount->varies()) return text_of(*params.amount);
         return params.pair_window ? params.amount->whole.value < 0 ? "squeezes" : "draws out" : "";
     }
     static Extent extent(const Payload& result) {
@@ -304,8 +304,7 @@ private:
         }
         return fmt::format(
             "{}window [{}, {}]: {}: {} column {} has {} of {} intervals that are not protected, "
-            "and each gives at most {:g} of itself; ask for less, widen the "
-            "window or protect less",
+            "and each gives at most {:g} of itself; ask for less, widen the window or protect less",
             none.pair ? "pair_" : "", window.first, window.last,
             none.possible == 0
                 ? "no amount is possible"
@@ -363,60 +362,54 @@ NodeType warp_solve() {
     const auto params_of = [](const void* params) -> const Params& {
         return *static_cast<const Params*>(params);
     };
-    return Declare<WarpSolve>(
-               "warp.solve",
-               "Finds a displacement of all vertices as a whole, in place of seams: it squeezes or "
-               "draws out most where that is seen least. The "
-               "amount need not be whole, and may change along the lattice and over time.")
+    return Declare<WarpSolve>("warp.solve",
+                              "Finds a displacement of all vertices as a whole, in place of seams: "
+                              "it squeezes or draws out most where that is seen least. The amount "
+                              "need not be whole, and may change along the lattice and over time.")
         .input("energy", &Ports::energy,
                "The energy, 0 or more: space of high energy keeps its shape. It is sampled at the "
                "lattice's vertices.")
         .input("lattice", &Ports::lattice, "The space that is carved.")
         .input("field", &Ports::field,
                "The grid that is seen, such as the density; sampled at the vertices. With it, "
-               "edges are stiff, too (`field_weight`), and empty space is where it "
-               "shows nothing (`empty`); without it, where the energy is 0.")
-        .input("protect", &Ports::protect,
-               "What moves rigidly: a mask, or the active voxels of any grid. A vertex is "
-               "protected if any of the 8 voxels around it is set; a vertex on a voxel, "
-               "if that voxel is set.")
+               "edges are stiff, too (`field_weight`), and empty space is where it shows nothing "
+               "(`empty`); without it, where the energy is 0.")
+        .input(
+            "protect", &Ports::protect,
+            "What moves rigidly: a mask, or the active voxels of any grid. A vertex is protected "
+            "if any of the 8 voxels around it is set; a vertex on a voxel, if that voxel is set.")
         .input("attract", &Ports::attract,
                "What gives first: a mask or any grid, as for `protect`, which has precedence.")
-        .input("after", &Ports::after,
-               "Sets of seams, or warps, of this lattice that are carved before, in order. The "
-               "warp is found in the space that they leave; windows and amounts "
-               "count its vertices.")
+        .input(
+            "after", &Ports::after,
+            "Sets of seams, or warps, of this lattice that are carved before, in order. The warp "
+            "is found in the space that they leave; windows and amounts count its vertices.")
         .param("axis", &Params::axis,
                "The dimension of the lattice that shrinks or grows: u or v, across the rig; w, "
                "along it.")
-        .param("amount", &Params::amount, Unit::vertices, any_number(),
-               "By how much the lattice grows along the axis: negative shrinks. A number of "
-               "vertices, such as -7.25, or N%, a share of the vertices along the "
-               "axis. Or a curve, {along: w, at: [[0, 0], [0.4, -12], [1, -12]]}: amounts at "
-               "places along the lattice, from 0, the first plane, to 1, the last "
-               "one; with `along: time`, at frame numbers. Between its points a curve is linear, "
-               "beyond them constant. `over: [[1001, 0], [1024, 1]]` in it "
-               "multiplies it by factors along the other dimension. Where a curve is 0, nothing "
-               "moves. auto takes the amount from `amount_file`; one of the "
-               "two is stated.")
+        .param(
+            "amount", &Params::amount, Unit::vertices, any_number(),
+            "By how much the lattice grows along the axis: negative shrinks. A number of vertices, "
+            "such as -7.25, or N%, a share of the vertices along the axis. Or a curve, {along: w, "
+            "at: [[0, 0], [0.4, -12], [1, -12]]}: amounts at places along the lattice, from 0, the "
+            "first plane, to 1, the last one; with `along: time`, at frame numbers. Between its "
+            "points a curve is linear, beyond them constant. `over: [[1001, 0], [1024, 1]]` in it "
+            "multiplies it by factors along the other dimension. Where a curve is 0, nothing "
+            "moves. auto takes the amount from `amount_file`; one of the two is stated.")
         .param("amount_file", &Params::amount_file,
                "A .csv file with such a curve, in place of `amount`. Its first line names the "
-               "columns: `amount` and `w` or `time`; each further line is a point. "
-               "With both `w` and `time`, each frame named has a curve of its own along the "
-               "lattice, and frames between them what lies between; the lines of "
-               "a frame stand together.")
+               "columns: `amount` and `w` or `time`; each further line is a point. With both `w` "
+               "and `time`, each frame named has a curve of its own along the lattice, and frames "
+               "between them what lies between; the lines of a frame stand together.")
         .param("rest", &Params::rest,
                "Whether the sets of `after` count towards `amount`: the warp then makes what they "
-               "leave of it, such as a fraction, or all that seams do worse "
-               "(`seams.choose`).")
+               "leave of it, such as a fraction, or all that seams do worse (`seams.choose`).")
         .param("window", &Params::window, Unit::vertices, any_number(),
                "First and last vertex along the axis between which space is squeezed or drawn out, "
-               "or shares, [0%, 50%], which hold for any spacing; auto is "
-               "all vertices.")
+               "or shares, [0%, 50%], which hold for any spacing; auto is all vertices.")
         .param("pair_window", &Params::pair_window, Unit::vertices, any_number(),
                "A second window, above the first. What is taken from one is given to the other: "
-               "only the content in them and between them moves, and the size "
-               "stays. auto is none.")
+               "only the content in them and between them moves, and the size stays. auto is none.")
         .param("static", &Params::static_,
                "Whether the warp is the same in all frames. It is then found by the mean stiffness "
                "over all frames.")
@@ -428,12 +421,11 @@ NodeType warp_solve() {
                "content is as stiff as the content's mean energy makes it.")
         .param("evenness", &Params::evenness, Unit::none, between(1e-4, 1e4),
                "Stiffness that all content has alike, in units of what its mean energy makes. "
-               "More: closer to even scaling. Less: more is squeezed where the "
-               "energy is low.")
+               "More: closer to even scaling. Less: more is squeezed where the energy is low.")
         .param("empty", &Params::empty, Unit::none, between(1e-4, 1e4),
                "Stiffness of a vertex without content, as a share of the mean stiffness of "
-               "vertices with content. Higher: the content itself becomes narrower or "
-               "wider. Lower: more is taken from the space around it.")
+               "vertices with content. Higher: the content itself becomes narrower or wider. "
+               "Lower: more is taken from the space around it.")
         .param("stiffness", &Params::stiffness, Unit::none, between(0, 1e4),
                "Stiffness against shear between columns, as a share of that against squeezing. "
                "More: neighbouring columns are squeezed at the same places.")
@@ -441,8 +433,8 @@ NodeType warp_solve() {
                "The same from frame to frame. More is steadier.")
         .param("factor", &Params::factor, Unit::vertices, any_number(),
                "The warp is found at every vertex (1), every second (2) or every fourth one (4), "
-               "and is linear between. auto takes the lowest that makes at "
-               "most 64 million points; the report tells it.")
+               "and is linear between. auto takes the lowest that makes at most 64 million points; "
+               "the report tells it.")
         .output("seams", &Ports::seams, "The warp; all that takes seams takes it.")
         .digests({"energy", "lattice", "field", "protect", "attract", "axis"})
         .grows({"amount",

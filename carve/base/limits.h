@@ -7,8 +7,8 @@ namespace fluidcarve {
 
 /// What work may take of the machine.
 struct Limits {
-    std::uint64_t memory = ~std::uint64_t{
-        0};  ///< bytes held for a whole sequence; what is beyond goes to files in `folder`
+    /// Bytes held for a whole sequence; what is beyond goes to files in `folder`
+    std::uint64_t memory = ~std::uint64_t{0};
     std::string folder = ".fluidcarve";  ///< made when it is needed; the files in it have no names,
                                          ///< and leave nothing behind
 };

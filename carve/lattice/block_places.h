@@ -27,8 +27,8 @@ public:
     };
     /// Eight voxels along z.
     struct Row {
-        unsigned inside =
-            0;  ///< bit z is set if voxel z lies in the lattice; only then places[z] is set
+        /// Bit z is set if voxel z lies in the lattice; only then places[z] is set.
+        unsigned inside = 0;
         std::array<Place, 8> places;
     };
     /// Index coordinates of eight points.
@@ -116,8 +116,8 @@ private:
     struct Entered {
         bool known = false;    ///< whether the members up to c are set
         unsigned once, twice;  ///< bit z is set if voxel z lies in one slab or more, in two or more
-        std::array<std::size_t, 8>
-            in;  ///< place among the candidates of the lowest slab that holds voxel z
+        /// Place among the candidates of the lowest slab that holds voxel z.
+        std::array<std::size_t, 8> in;
         std::array<double, 8> c;  ///< coordinate of voxel z between that slab's planes, 0..1
         bool levelled = false;    ///< whether the rest is set
         std::array<Slab::Level, 8> levels;
@@ -132,12 +132,12 @@ private:
 
     const Mapping& mapping_;
     const openvdb::math::Transform& transform_;
-    std::shared_ptr<const std::vector<Table>>
-        tables_;  ///< `[slab]`, and one more for the last divider; null in a straight box
+    /// `[slab]`, and one more for the last divider; null in a straight box.
+    std::shared_ptr<const std::vector<Table>> tables_;
     bool by_tables_ = false;  ///< whether places are found by tables_: not in a straight box or
                               ///< with the closed form
-    std::optional<int>
-        even_;  ///< the index axis, x or y, along which no place comes nearer to any plane
+    /// The index axis, x or y, along which no place comes nearer to any plane.
+    std::optional<int> even_;
     openvdb::Coord block_;
     bool interior_ = false;
     openvdb::BBoxd range_;

@@ -26,8 +26,8 @@ public:
 private:
     /// The worst of one kind of fault.
     struct Worst {
-        std::size_t count =
-            0;  ///< folded cells or shared voxels beyond those of the lattice itself
+        /// Folded cells or shared voxels beyond those of the lattice itself.
+        std::size_t count = 0;
         int plane = 0, frame = 0;
     };
     std::string where(const Worst& worst) const;

@@ -55,8 +55,8 @@ public:
 private:
     openvdb::Vec3d origin_;
     std::array<openvdb::Vec3d, 3> step_;  ///< from a vertex to the next along u, v, w, world units
-    std::array<openvdb::Vec3d, 3>
-        gradient_;  ///< of the lattice coordinates, vertices per world unit
+    /// Of the lattice coordinates, vertices per world unit.
+    std::array<openvdb::Vec3d, 3> gradient_;
     std::array<int, 3> extent_;
     std::shared_ptr<const Slabs> slabs_;
 };

@@ -12,8 +12,8 @@ namespace fluidcarve {
 /// the lowest cell only.
 struct Overlap {
     std::size_t voxels = 0;
-    int plane =
-        0;  ///< lower plane of the slab that keeps most of these voxels; the first such plane
+    /// Lower plane of the slab that keeps most of these voxels; the first such plane.
+    int plane = 0;
 };
 
 /// Counts the voxels that lie in several cells, among all voxels of a transform, active or not. A

@@ -12,8 +12,8 @@ struct Convex {
     std::string name;       ///< name of the mask, also in messages: "box"
     openvdb::BBoxd bounds;  ///< contains the whole shape
     std::function<bool(const openvdb::Vec3d&)> holds;  ///< whether a point is in the shape
-    std::function<bool(const openvdb::BBoxd&)>
-        touches;  ///< whether a box may meet the shape; false only if it certainly does not
+    /// Whether a box may meet the shape; false only if it certainly does not.
+    std::function<bool(const openvdb::BBoxd&)> touches;
 };
 
 /// The voxels whose centres lie in a shape. Blocks inside the shape become tiles, so that time and

@@ -28,12 +28,12 @@ struct Mesh {
         std::string name;  ///< "uv", "normal", "colour", or the name in the file
         On on = On::vertices;
         std::vector<std::string> parts;  ///< names of its numbers in PLY: "nx", "ny", "nz"
-        Type type =
-            Type::float32;  ///< colours: full intensity is the maximum of an integer type, or 1
-        std::vector<double>
-            values;  ///< `[entry][part]`; on vertices and faces, one entry each, in their order
-        std::vector<std::uint32_t>
-            at;  ///< on corners: the entry of each corner, or `none`; corners may share entries
+        /// Colours: full intensity is the maximum of an integer type, or 1.
+        Type type = Type::float32;
+        /// `[entry][part]`; on vertices and faces, one entry each, in their order.
+        std::vector<double> values;
+        /// On corners: the entry of each corner, or `none`; corners may share entries.
+        std::vector<std::uint32_t> at;
 
         std::size_t entries() const { return values.size() / parts.size(); }
         std::span<const double> entry(std::size_t n) const {
@@ -51,10 +51,10 @@ struct Mesh {
     struct StoredForm {
         std::string format;  ///< "obj", "ply", "off" or "stl"
         bool binary = false, big_endian = false;
-        Attribute::Type number =
-            Attribute::Type::float32;  ///< type of coordinates, in binary files and PLY's header
-        std::vector<Line> lines;       ///< sorted by face
-        std::size_t head = 0;          ///< number of lines before all vertices
+        /// Type of coordinates, in binary files and PLY's header.
+        Attribute::Type number = Attribute::Type::float32;
+        std::vector<Line> lines;  ///< sorted by face
+        std::size_t head = 0;     ///< number of lines before all vertices
         Placement placement;
         std::vector<openvdb::Vec3d> in_file;  ///< positions in the file, one per vertex; empty if
                                               ///< the placement moves nothing

@@ -11,8 +11,8 @@ namespace fluidcarve {
 struct KeptOut {
     Points points;
     std::size_t moved = 0;  ///< number of points moved
-    std::size_t stuck =
-        0;  ///< number of points too deep inside for the narrow band to show the way out; they stay
+    /// Number of points too deep inside for the narrow band to show the way out; they stay.
+    std::size_t stuck = 0;
 };
 
 /// Moves points inside a solid to its surface, each the shortest way. All other points stay bit for

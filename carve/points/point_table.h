@@ -20,10 +20,10 @@ struct PointTable {
         std::vector<char> values;  ///< bytes of one value per vertex, in this machine's byte order
     };
     NumberForm encoding = NumberForm::little;
-    std::vector<std::string>
-        comments;  ///< whole header lines that begin with `comment` or `obj_info`
-    std::vector<std::string>
-        empty_elements;  ///< header lines that declare elements without entries
+    /// Whole header lines that begin with `comment` or `obj_info`
+    std::vector<std::string> comments;
+    /// Header lines that declare elements without entries.
+    std::vector<std::string> empty_elements;
     std::vector<Column> columns;
     std::size_t size = 0;  ///< number of vertices
 

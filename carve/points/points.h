@@ -16,10 +16,10 @@ namespace fluidcarve {
 /// in the form of their file, so that unchanged points are written back bit for bit. Points are in
 /// the order of the grid, or of the PLY file.
 struct Points {
-    openvdb::GridBase::ConstPtr
-        grid;                   ///< an openvdb::points::PointDataGrid in the shot's world, or null
-    openvdb::MetaMap metadata;  ///< metadata of the VDB file
-    std::string codec;          ///< as Volume::codec
+    /// An openvdb::points::PointDataGrid in the shot's world, or null.
+    openvdb::GridBase::ConstPtr grid;
+    openvdb::MetaMap metadata;              ///< metadata of the VDB file
+    std::string codec;                      ///< as Volume::codec
     std::shared_ptr<const PointTable> ply;  ///< PLY vertices in the file's space, or null
     Placement placement;                    ///< placement of `ply`
 

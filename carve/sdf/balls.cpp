@@ -143,8 +143,8 @@ private:
     const Balls balls_;
     const double voxel_;
     const double farthest_;  ///< distance from a centre beyond which all is outside, voxels
-    const double
-        deepest_;  ///< square of the distance from a centre below which all is inside; -1: none
+    /// Square of the distance from a centre below which all is inside; -1: none.
+    const double deepest_;
     const float background_;
     const openvdb::tools::PointIndexGrid::ConstPtr points_;  ///< by index coordinates
 };

@@ -28,9 +28,8 @@ struct Seams {
         /// index of the entry that is doubled.
         SeamEntries at;
         double energy = 0;  ///< sum over all columns, in the units of the energy
-        std::optional<double> lower_bound =
-            std::nullopt;  ///< lower bound on the energy of any seam found in its place; nothing if
-                           ///< not asked for
+        /// Lower bound on the energy of any seam found in its place; nothing if not asked for.
+        std::optional<double> lower_bound = std::nullopt;
     };
 
     Axis axis = Axis::u;

@@ -97,8 +97,8 @@ private:
                                                      ///< entries; set if the map is mirrored there
     int first_, last_;  ///< displacements are constant along the axis below first_ and above last_
     std::size_t row_;   ///< floats per column in entries_: one per entry, then zeros
-    std::shared_ptr<FloatFrameStore>
-        entries_;  ///< `[column][entry]`, entries first_ to last_, vertices; copies share it
+    /// `[column][entry]`, entries first_ to last_, vertices; copies share it.
+    std::shared_ptr<FloatFrameStore> entries_;
 };
 
 /// Smooths a step's displacements in space and time.

@@ -49,8 +49,8 @@ constexpr auto endless = std::numeric_limits<double>::infinity();
 /// What seams may cost.
 struct Limit {
     double cost = endless;
-    const SeamBounds* bounds =
-        nullptr;  ///< lower bounds that tell early which seams will cost more; null: none
+    /// Lower bounds that tell early which seams will cost more; null: none.
+    const SeamBounds* bounds = nullptr;
 };
 
 /// Seams that advance together through all columns, so that the energy is read once for all of

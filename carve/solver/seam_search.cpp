@@ -1,14 +1,13 @@
 #include "carve/solver/seam_search.h"
 
-#include "carve/base/failure.h"
 #include "carve/solver/pyramid.h"
 #include "carve/solver/search/find_seams.h"
-#include "carve/solver/task/no_more.h"
+#include "carve/solver/task/part_finder.h"
 #include "carve/solver/task/space.h"
 #include "carve/solver/task/task.h"
 
 #include <memory>
-#include <utility>
+#include <vector>
 
 namespace fluidcarve {
 
@@ -31,26 +30,20 @@ Ref<Seams> SeamSearch::find(const Tick& tick) {
     gathered_.require_met();
     auto [energy, thick] = gathered_.take(wish_, space, limits_);
     if (thick) out->thickness = thick->thickness * finest;
-    const Pyramid pyramid(Quality::normal, 16);
-    const auto found = [&, &energy = energy, &thick = thick](const SeamTask::Part& part) {
-        Continued search;
-        search.memory_budget = limits_.memory;
-        search.folder = limits_.folder;
-        search.best_effort = wish_.best_effort;
-        search.thick = thick;
-        if (finest > 1)
-            search.full = FullSize{columns_of(task, space), task.shape[dimension(task.axis)]};
-        try {
-            return find_seams(energy, part.kind, task.count, part.window, pyramid, tick, nullptr,
-                              part.static_, search)
-                .seams;
-        } catch (const NoSeam& none) {
-            throw Failure(why_no_more(none, task, part, space));
-        }
-    };
+    const FindSeam solver = Pyramid(Quality::normal, 16);
+    const PartFinder found(energy, task, space, solver, limits_);
+    Continued search;
+    search.best_effort = wish_.best_effort;
+    search.thick = thick;
+    int count = task.count;
     // The pair window comes first: seams there do not move the window below.
-    if (task.pairs) out->pairs = found(*task.pairs);
-    out->seams = found(task.seams);
+    if (task.pairs) {
+        out->pairs = found(*task.pairs, count, tick, search).seams;
+        count = static_cast<int>(out->pairs.size());
+    }
+    out->seams = found(task.seams, count, tick, search).seams;
+    // A pair without its seam is none.
+    if (task.pairs) out->pairs.resize(out->seams.size());
     out->find_shifts();
     return out;
 }

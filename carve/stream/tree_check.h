@@ -13,10 +13,10 @@ namespace fluidcarve {
 struct TreeFormat {
     enum class Leaves { values, bools, masks, point_data };
     Leaves leaves = Leaves::values;
-    std::size_t value_bytes =
-        0;  ///< bytes of a value in memory, and of backgrounds and root tiles in the file
-    std::size_t stored_bytes =
-        0;  ///< bytes of a value in a node; less than value_bytes for half floats
+    /// Bytes of a value in memory, and of backgrounds and root tiles in the file.
+    std::size_t value_bytes = 0;
+    /// Bytes of a value in a node; less than value_bytes for half floats.
+    std::size_t stored_bytes = 0;
     std::uint32_t file_version = 0;  ///< of the file format
     std::uint32_t compression = 0;   ///< OpenVDB's flags
 };

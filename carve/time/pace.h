@@ -12,18 +12,18 @@ namespace fluidcarve {
 struct PaceWish {
     Auto<double> speed;  ///< frames of the source per frame; below 0: backwards
     Auto<int> count;     ///< number of frames that show the whole source
-    std::vector<std::vector<double>>
-        curve;        ///< [frame, frame of the source], rising in the first; linear between
+    /// [frame, frame of the source], rising in the first; linear between.
+    std::vector<std::vector<double>> curve;
     Auto<int> start;  ///< number of the first frame; auto: that of the source
 };
 
 /// A moment between two frames of a sequence.
 struct Moment {
     std::size_t place = 0;  ///< index of the frame before
-    double share =
-        0;  ///< of the way from there to the next frame, from 0 up to 1; 0: the frame itself
-    double rate =
-        1;  ///< frames of the source that pass from frame to frame here; below 0: backwards
+    /// Of the way from there to the next frame, from 0 up to 1; 0: the frame itself.
+    double share = 0;
+    /// Frames of the source that pass from frame to frame here; below 0: backwards.
+    double rate = 1;
 };
 
 class Pace {

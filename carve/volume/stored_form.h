@@ -26,8 +26,8 @@ openvdb::math::Transform::Ptr placed(const openvdb::math::Transform& in_file,
 /// it.
 struct StoredForm {
     Placement placement;
-    openvdb::math::Transform::ConstPtr
-        in_file;  ///< transform in the file; null if the placement moves nothing
+    /// Transform in the file; null if the placement moves nothing.
+    openvdb::math::Transform::ConstPtr in_file;
 
     /// The three float grids (`vel.x`, `vel.y`, `vel.z`) that were merged into one vector grid, or
     /// none.

@@ -14,8 +14,8 @@ namespace fluidcarve {
 /// leaves are eight voxels deep.
 struct Plane {
     openvdb::CoordBBox box;  ///< the active voxels, all of one z
-    openvdb::CoordBBox
-        stored;  ///< the voxels that have values here; the others of `box` are 0. Empty: none has
+    /// The voxels that have values here; the others of `box` are 0. Empty: none has.
+    openvdb::CoordBBox stored;
     std::shared_ptr<const float> values;  ///< that of the voxel `stored.min()`, with the array
                                           ///< behind it; of whole numbers the bits
     std::ptrdiff_t along_x = 0,

@@ -24,8 +24,8 @@ struct WarpAmount {
     };
     enum class Along { w, time };
     struct Point {
-        double at =
-            0;  ///< along w: 0, the first plane, to 1, the last one; along time: a frame number
+        /// Along w: 0, the first plane, to 1, the last one; along time: a frame number.
+        double at = 0;
         Length amount;
     };
     struct Share {
@@ -42,8 +42,8 @@ struct WarpAmount {
 
     Length whole;            ///< without a curve
     Along along = Along::w;  ///< of `points`
-    std::vector<Point>
-        points;  ///< of a curve, rising; linear between them, constant beyond; empty: none
+    /// Of a curve, rising; linear between them, constant beyond; empty: none.
+    std::vector<Point> points;
     std::vector<Share> shares;  ///< factors along the other dimension, the same way; empty: all 1
     /// Curves at frames, rising; linear between them, constant beyond. There are then no `points`
     /// and `shares`; empty: none.

@@ -28,8 +28,8 @@ struct WarpTask {
 
 /// Why an amount is out of reach: a column has too little room.
 struct NoRoom {
-    double possible =
-        0;  ///< the greatest amount for which there is room, vertices, of the sign asked for
+    /// The greatest amount for which there is room, vertices, of the sign asked for.
+    double possible = 0;
     int lateral = 0, k = 0;
     std::size_t t = 0;     ///< where room is least; by vertices
     bool pair = false;     ///< in the pair window

@@ -21,8 +21,8 @@ struct PlyStatement {
     enum class Kind { comment, format, element, property, end, other };
     Kind kind = Kind::other;
     std::vector<std::string_view> words;  ///< with the keyword; none in an empty line
-    std::optional<std::string_view>
-        wrong;  ///< the word that is no format, no count or no type; empty: it is missing
+    /// The word that is no format, no count or no type; empty: it is missing.
+    std::optional<std::string_view> wrong;
 
     /// A word, or empty behind the last.
     std::string_view word(std::size_t n) const {

@@ -29,8 +29,8 @@ using Channels = std::vector<VolumeGrid>;
 struct ImageWish {
     const ImageFormat* format = nullptr;
     std::optional<std::string> depth;  ///< depth of all channels; nothing: as they were read
-    std::optional<std::vector<std::string>>
-        channels;  ///< grids to write, in this order; nothing: all
+    /// Grids to write, in this order; nothing: all.
+    std::optional<std::vector<std::string>> channels;
 };
 
 /// Whether a grid holds the bits of a channel that names things.

@@ -32,8 +32,8 @@ openvdb::GridBase::ConstPtr in_grid(const Points& points);
 
 /// Information that a written file does not hold.
 struct Unsaid {
-    std::vector<std::string>
-        attributes;      ///< names of attributes that PLY can't hold; they were not written
+    /// Names of attributes that PLY can't hold; they were not written.
+    std::vector<std::string> attributes;
     std::string offset;  ///< the `offset` that points.read needs for this file; empty: none
 };
 

@@ -106,8 +106,8 @@ private:
     std::size_t t_;
     std::vector<int> laterals_, slices_;
     std::uint32_t next_ = 0;
-    std::vector<std::uint32_t> number_ = std::vector<std::uint32_t>(
-        seams_.columns_per_frame());  ///< `[column]`: index of its vertex
+    /// `[column]`: index of its vertex.
+    std::vector<std::uint32_t> number_ = std::vector<std::uint32_t>(seams_.columns_per_frame());
     std::vector<std::uint16_t> entries_, sorted_;
 };
 

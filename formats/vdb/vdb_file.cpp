@@ -411,8 +411,8 @@ private:
         std::make_shared<openvdb::io::StreamMetadata>();  ///< the stream refers to it
     std::ifstream stream_;
     std::vector<GridDescriptor> grids_;
-    std::map<std::string, std::size_t>
-        by_name_;  ///< unique names and places in `grids_`; of several, the first
+    /// Unique names and places in `grids_`; of several, the first.
+    std::map<std::string, std::size_t> by_name_;
     openvdb::MetaMap metadata_;
     std::uint32_t codecs_seen_ = 0;
 };

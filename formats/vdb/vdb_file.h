@@ -18,8 +18,8 @@ struct VdbHeader {
         std::string unique_name;  ///< name with an index if several grids have it: "density[1]"
         std::string name;         ///< name without the index
         std::string type;         ///< OpenVDB's type name: "Tree_float_5_4_3"
-        openvdb::math::Transform::ConstPtr
-            transform;  ///< null in old files, where it comes after the tree
+        /// Null in old files, where it comes after the tree.
+        openvdb::math::Transform::ConstPtr transform;
         openvdb::MetaMap metadata;
         std::string codec;  ///< as Volume::codec
     };

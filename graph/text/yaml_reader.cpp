@@ -83,8 +83,8 @@ private:
         YAML::anchor_t anchor;
         std::size_t first_value;
         std::optional<Value> key;
-        std::map<std::string, Mark> seen =
-            {};  ///< names of a map's fields, for fast lookup: hostile files may have very many
+        /// Names of a map's fields, for fast lookup: hostile files may have very many.
+        std::map<std::string, Mark> seen = {};
     };
     struct Anchored {
         Value value;

@@ -22,8 +22,8 @@ struct Extent {
 /// output.
 struct Growth {
     std::string param;  ///< the parameter with the wanted count; not part of the cache key
-    std::function<std::string(const void* params)>
-        rest;  ///< the part of that parameter that belongs to the cache key, as text
+    /// The part of that parameter that belongs to the cache key, as text.
+    std::function<std::string(const void* params)> rest;
     std::function<Extent(const Payload& result)> extent;  ///< extent of a result
     /// The wanted count. @param of  as Extent::of
     std::function<std::size_t(const void* params, std::size_t of)> wanted;

@@ -13,10 +13,10 @@ namespace fluidcarve {
 class NodeCheck {
 public:
     virtual ~NodeCheck() = default;
-    virtual bool stated(
-        std::string_view field) const = 0;  ///< whether the pipeline states this input or parameter
-    virtual std::size_t connections(
-        std::string_view input) const = 0;  ///< number of connections of an input
+    /// Whether the pipeline states this input or parameter.
+    virtual bool stated(std::string_view field) const = 0;
+    /// Number of connections of an input.
+    virtual std::size_t connections(std::string_view input) const = 0;
     /// Names of the connections of a named input, in the order of the file.
     virtual std::vector<std::string> names(std::string_view input) const = 0;
     virtual void fault(

@@ -77,8 +77,8 @@ struct ParamSpec {
     bool required = false;
     std::string fallback;  ///< the default as YAML; empty if the parameter is required
     std::function<bool(void* params, const Value&, ValueReader&)> parse;
-    std::function<std::string(const void* params)>
-        text;  ///< the value as YAML that `parse` reads back
+    /// The value as YAML that `parse` reads back.
+    std::function<std::string(const void* params)> text;
     /// The path of a path parameter; empty for all others.
     std::function<const PathPattern&(const void* params)> path;
     /// The files of a parameter of type WrittenPaths, by name; empty for all others.
@@ -88,20 +88,19 @@ struct ParamSpec {
 /// A node with bound parameters and, if it gathers, its state. Made anew for every run.
 struct Behaviour {
     std::function<std::shared_ptr<void>()> make_ports;
-    std::function<void(void* ports, Context&)>
-        run;  ///< called per frame, concurrently; empty if the node only gathers
-    std::function<void(const void* ports, Context&)>
-        add;  ///< called in frame order, one at a time; empty if the node digests or does not
-              ///< gather
-    std::function<Payload(const void* ports, Context&)>
-        digest;  ///< called per frame, concurrently: extracts the digest for `take`
-    std::function<void(const Payload& digest, Context&)>
-        take;  ///< replaces `add`: called in frame order, one at a time
+    /// Called per frame, concurrently; empty if the node only gathers.
+    std::function<void(void* ports, Context&)> run;
+    /// Called in frame order, one at a time; empty if the node digests or does not gather.
+    std::function<void(const void* ports, Context&)> add;
+    /// Called per frame, concurrently: extracts the digest for `take`
+    std::function<Payload(const void* ports, Context&)> digest;
+    /// Replaces `add`: called in frame order, one at a time.
+    std::function<void(const Payload& digest, Context&)> take;
     /// Hands a growing result of a former run, too small for this run, and its report entry to the
     /// node; called before `finish`.
     std::function<void(const Payload& result, const nlohmann::ordered_json& entry)> resume;
-    std::function<void(void* ports, Context&)>
-        finish;  ///< called once, after the last `add` and before any `run`
+    /// Called once, after the last `add` and before any `run`
+    std::function<void(void* ports, Context&)> finish;
 };
 
 /// The description of a node type, made by Declare.
@@ -116,32 +115,32 @@ struct NodeType {
     int version = 1;    ///< part of the cache key: cached results of another version are not used
     bool kept = false;  ///< results are cached in the work folder, unless the pipeline states
                         ///< `cache: false`
-    std::type_index digest =
-        typeid(void);  ///< type that `Behaviour::digest` returns; void: no digests
+    /// Type that `Behaviour::digest` returns; void: no digests.
+    std::type_index digest = typeid(void);
     std::vector<std::string> digest_fields;  ///< inputs and parameters that the digest depends on
     std::string concludes_from;  ///< the section of the report that `conclude` is handed; empty:
                                  ///< there is no `conclude`
     std::optional<Growth> growth;
     bool runs_code = false;  ///< its parameters name code, such as a script: pipelines with it need
                              ///< --allow-plugins
-    bool in_place =
-        false;  ///< outputs stand where inputs do: pictures that meet here have one size
-    std::map<std::string, std::string, std::less<>>
-        as_named;  ///< output to the input whose grids it has, by their names
+    /// Outputs stand where inputs do: pictures that meet here have one size.
+    bool in_place = false;
+    /// Output to the input whose grids it has, by their names.
+    std::map<std::string, std::string, std::less<>> as_named;
 
     std::function<std::shared_ptr<void>()> make_params;
     std::function<bool(const void* params)> gathers;
-    std::function<bool(const void* params, const Context&)>
-        wants;  ///< whether a gatherer needs the frame of the context; empty: always
-    std::function<bool(const void* params)>
-        animates;  ///< whether results change per frame though no input or file does; empty: never
+    /// Whether a gatherer needs the frame of the context; empty: always.
+    std::function<bool(const void* params, const Context&)> wants;
+    /// Whether results change per frame though no input or file does; empty: never.
+    std::function<bool(const void* params)> animates;
     /// The frames in which a gatherer delivers, by those that it takes; empty: the same.
     std::function<std::vector<int>(const void* params, const std::vector<int>& frames)> retimes;
     std::function<void(const void* params, NodeCheck&)> check;
-    std::function<void(const void* params, Survey&)>
-        survey;  ///< empty: reads no files, and needs no grid of a name
-    std::function<void(const void* params, Outlook&)>
-        foresee;  ///< empty: outputs lie where the inputs lie
+    /// Empty: reads no files, and needs no grid of a name.
+    std::function<void(const void* params, Survey&)> survey;
+    /// Empty: outputs lie where the inputs lie.
+    std::function<void(const void* params, Outlook&)> foresee;
     /// Called after a run with what the node reported of all its frames; empty: nothing to say.
     std::function<void(const void* params, const nlohmann::ordered_json& frames, Context&)>
         conclude;

@@ -79,10 +79,10 @@ struct Shape {
     };
     Kind kind = Kind::text;
     std::vector<std::string> choices;  ///< of `choice`: the names
-    std::vector<Shape>
-        of;  ///< of `list`, `map`, `automatic`: the shape of a value; of `any_of`: the alternatives
-    std::vector<std::pair<std::string, Shape>> fields =
-        {};  ///< of a map with fixed fields: name and shape of each; `of` is then empty
+    /// Of `list`, `map`, `automatic`: the shape of a value; of `any_of`: the alternatives.
+    std::vector<Shape> of;
+    /// Of a map with fixed fields: name and shape of each; `of` is then empty.
+    std::vector<std::pair<std::string, Shape>> fields = {};
 };
 /// The shape in words.
 std::string to_text(const Shape& shape);

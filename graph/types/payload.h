@@ -45,8 +45,8 @@ struct PayloadType {
     int version = 0;  ///< version of the format that `write` writes
     /// Writes a value to a file, bit for bit; empty: values can't be cached.
     std::function<void(const Payload&, std::ostream&)> write;
-    std::function<Payload(std::istream&)>
-        read;  ///< reads what `write` wrote; throws Failure on anything else
+    /// Reads what `write` wrote; throws Failure on anything else.
+    std::function<Payload(std::istream&)> read;
 
     /// A checksum of a value that runs deliver once; the files that are made with it state it
     /// (Provenance). Empty: they do not.

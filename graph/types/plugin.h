@@ -24,11 +24,11 @@ inline constexpr int payload_abi = 9;
 struct PluginHeader {
     int abi = plugin_abi;  ///< must stay the first member: it determines the layout of the rest
     int payloads = payload_abi;
-    std::size_t node_type =
-        sizeof(NodeType);  ///< detects another layout of the standard library's types
+    /// Detects another layout of the standard library's types.
+    std::size_t node_type = sizeof(NodeType);
     const char* version = FLUIDCARVE_VERSION;  ///< version of fluidcarve at build time
-    const char* family =
-        nullptr;  ///< all its types are called `FAMILY.NAME`; no built-in type may have this family
+    /// All its types are called `FAMILY.NAME`; no built-in type may have this family.
+    const char* family = nullptr;
 };
 
 }  // namespace fluidcarve

@@ -22,8 +22,8 @@ struct Pick {
 /// What is known of a payload in a frame before it is read.
 struct Foreseen {
     std::optional<std::vector<std::string>> grids;  ///< names of its grids, in their order
-    std::optional<std::array<int, 2>>
-        pixels;  ///< width and height of the picture that it is, or covers
+    /// Width and height of the picture that it is, or covers.
+    std::optional<std::array<int, 2>> pixels;
 };
 
 /// Interface for a node's `survey`: before a run starts, a reader looks at its files, and other
@@ -33,10 +33,10 @@ public:
     virtual ~Survey() = default;
     virtual const std::vector<int>& frames() const = 0;  ///< frame numbers of the sequence
     virtual bool needs(int frame) const = 0;             ///< whether the run will read the frame
-    virtual bool wants(
-        std::string_view output) const = 0;  ///< whether the run will read the output
-    virtual const std::vector<Pick>& picks()
-        const = 0;  ///< parts of the first output that the run will take
+    /// Whether the run will read the output.
+    virtual bool wants(std::string_view output) const = 0;
+    /// Parts of the first output that the run will take.
+    virtual const std::vector<Pick>& picks() const = 0;
     virtual void stands_in(int frame,
                            int file) = 0;  ///< frame `frame` uses the file of frame `file`
     virtual void expect(
@@ -49,8 +49,8 @@ public:
         const std::string& message) = 0;  ///< the file, or a grid in it, is missing or unreadable
     virtual void delivers(int frame, std::string_view output,
                           Foreseen what) = 0;  ///< what the reader's output will be
-    virtual const Foreseen* receives(
-        int frame, std::string_view input) const = 0;  ///< what an input will be; null: not known
+    /// What an input will be; null: not known.
+    virtual const Foreseen* receives(int frame, std::string_view input) const = 0;
     virtual void lies(std::string_view /*output*/, const Region&) {
     }  ///< where an output lies, if headers or small files tell
     virtual void warn(const std::string& message) = 0;

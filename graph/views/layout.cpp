@@ -244,8 +244,8 @@ private:
     Layout& layout_;
     std::vector<Item> items_;  ///< first the boxes, in their order, then the passages of edges
     std::vector<std::vector<std::size_t>> columns_;  ///< items, top to bottom
-    std::vector<std::vector<std::size_t>>
-        passages_;  ///< per edge: the items on its way, both ends included
+    /// Per edge: the items on its way, both ends included.
+    std::vector<std::vector<std::size_t>> passages_;
 };
 
 }  // namespace

@@ -14,8 +14,8 @@ namespace fluidcarve {
 struct ValueSource {
     std::string value;  ///< as YAML, on one line
     std::string from;   ///< "shots/sh010.yaml:4", "--set", "environment variable SHOT", "default"
-    std::vector<std::string>
-        with;  ///< names of the params and variables inserted into the text or list
+    /// Names of the params and variables inserted into the text or list.
+    std::vector<std::string> with;
 };
 
 /// The sources of all values in a pipeline.

@@ -16,8 +16,8 @@ namespace fluidcarve {
 struct Expression {
     std::string code;
     std::vector<std::string> inputs;  ///< names of grids, read as `@name`, or `v@name` for vectors
-    std::map<std::string, std::variant<double, Vec3>>
-        constants;       ///< read as `$name`, or `v$name` for vectors
+    /// Read as `$name`, or `v$name` for vectors.
+    std::map<std::string, std::variant<double, Vec3>> constants;
     std::string output;  ///< name of the grid that it writes as `@name`, a number
 };
 

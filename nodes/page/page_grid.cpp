@@ -130,8 +130,8 @@ private:
     const PageGrid& page_;
     float background_;
     std::vector<Part> parts_;
-    std::vector<std::vector<std::size_t>>
-        planes_;  ///< of each plane of page voxels, the parts in it
+    /// Of each plane of page voxels, the parts in it.
+    std::vector<std::vector<std::size_t>> planes_;
 };
 
 template <class GridT>

@@ -161,12 +161,12 @@ private:
 
 NodeType preview_page() {
     return declare_join(
-        Declare<PreviewPage>("preview.page",
-                             "A page for a browser, to choose the count by eye: the sequence "
-                             "before and after, with a slider. It is one file that loads nothing "
-                             "else. The page carves by itself, from the seams, as remap.grids does "
-                             "with linear interpolation. Without `seams` it shows where "
-                             "rig, lattice, masks and energy lie.")
+        Declare<PreviewPage>(
+            "preview.page",
+            "A page for a browser, to choose the count by eye: the sequence before and after, with "
+            "a slider. It is one file that loads nothing else. The page carves by itself, from the "
+            "seams, as remap.grids does with linear interpolation. Without `seams` it shows where "
+            "rig, lattice, masks and energy lie.")
             .input("before", &PreviewPage::Ports::before,
                    "The grids before the carve, usually as read.")
             .input("energy", &PreviewPage::Ports::energy,
@@ -186,13 +186,12 @@ NodeType preview_page() {
                    "`density`, or the first grid of floats or vectors.")
             .param("frames", &PreviewPage::Params::frames, Unit::frames, between(1, 240),
                    "Number of frames to show, in even steps from the first to the last; 1: the "
-                   "middle one. They stay in memory until the last of them. auto is 8, "
-                   "or fewer if the page had more than 2 MB. A page above 20 MB is refused.")
+                   "middle one. They stay in memory until the last of them. auto is 8, or fewer if "
+                   "the page had more than 2 MB. A page above 20 MB is refused.")
             .param("voxels", &PreviewPage::Params::voxels, Unit::voxels, between(8, 2048),
                    "Most voxels along an axis. Of a larger grid each voxel shows the mean of "
-                   "several, and the carve reads these. auto is 96, and 640 for a "
-                   "picture, "
-                   "which is one voxel thick.")
+                   "several, and the carve reads these. auto is 96, and 640 for a picture, which "
+                   "is one voxel thick.")
             .param("count", &PreviewPage::Params::count, Unit::seams, any_number(),
                    "Number of seams that the page shows at first, as remap.grids takes it.")
             .param("rim", &PreviewPage::Params::rim, "As remap.grids takes it.")

@@ -78,16 +78,16 @@ template <class Node>
 Declare<Node>& declare_lattice(Declare<Node>& node) {
     using Params = LatticeNode::Params;
     return node
-        .param("smooth", &Params::smooth,
-               "What to smooth where neighbouring planes cross within the lattice: the rig's "
-               "points, the planes' directions, or nothing. Smoothing repeats "
-               "until no planes cross.")
+        .param(
+            "smooth", &Params::smooth,
+            "What to smooth where neighbouring planes cross within the lattice: the rig's points, "
+            "the planes' directions, or nothing. Smoothing repeats until no planes cross.")
         .param("max_iterations", &Params::max_iterations, Unit::none, between(0, 1e6),
                "Largest number of smoothing steps.")
         .param("on_fold", &Params::on_fold,
                "What happens if problems remain: a warning, or a failed run. Problems are folded "
-               "cells, where planes cross, and voxels in several cells, where "
-               "the lattice meets itself.")
+               "cells, where planes cross, and voxels in several cells, where the lattice meets "
+               "itself.")
         .output("lattice", &LatticeNode::Ports::lattice, "The lattice.")
         .kept();
 }

@@ -1,5 +1,7 @@
 #include "nodes/params/param_forms.h"
 
+#include "carve/seam/seams.h"
+
 #include <fmt/format.h>
 
 #include <array>

@@ -142,7 +142,7 @@ void require_fits(const WarpParams& params, const WarpAmount& amount,
         const auto window = stated->of(size);
         if (window.last > size - 1)
             throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name,
-                                      ParamTraits<VertexRange>::text(*stated), vertices));
+                                      text_of(*stated), vertices));
         if (const auto fault = one_vertex(name, window)) throw Failure(*fault);
     }
     if (params.window && params.pair_window)

@@ -34,8 +34,8 @@ Scene scene_of(const Volume& volume, const std::string& input,
 struct Exposure {
     float smoke = 0;
     float fire = 0;
-    double gain =
-        1;  ///< factor of the light that smoke scatters and fire gives; the background has none
+    /// Factor of the light that smoke scatters and fire gives; the background has none.
+    double gain = 1;
 
     /// Raises both to the highest active values of a scene. Values that are not finite are ignored.
     void meter(const Scene& scene);

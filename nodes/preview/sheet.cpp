@@ -262,10 +262,10 @@ private:
 NodeType preview_sheet() {
     return Declare<Sheet>("preview.sheet",
                           "A picture to check a carve: a grid before and after, the difference and "
-                          "the seams, for some frames of the sequence. Frames go "
-                          "across. All pictures show the same area; rows of one kind share a "
-                          "colour scale, which is printed beside them. The world's axes are drawn "
-                          "at the upper right: a dot points at the viewer, a cross away.")
+                          "the seams, for some frames of the sequence. Frames go across. All "
+                          "pictures show the same area; rows of one kind share a colour scale, "
+                          "which is printed beside them. The world's axes are drawn at the upper "
+                          "right: a dot points at the viewer, a cross away.")
         .input("before", &Sheet::Ports::before, "The grids before the carve, usually as read.")
         .input("after", &Sheet::Ports::after,
                "The grids after the carve, usually as written. Shown with the area and colours of "
@@ -278,10 +278,9 @@ NodeType preview_sheet() {
                "A rig to draw, mostly that of the lattice. Needs `overlay` to name it.")
         .input("seams", &Sheet::Ports::seams,
                "The seams, drawn as lines where they cross the slice of `energy`, at their places "
-               "in `before`. Of a warp, the places where it moves content by "
-               "a whole number of vertices and a half. Needs `energy` and `lattice`. Choose an "
-               "`axis` other than the carved one: seams that face the viewer "
-               "are not drawn.")
+               "in `before`. Of a warp, the places where it moves content by a whole number of "
+               "vertices and a half. Needs `energy` and `lattice`. Choose an `axis` other than the "
+               "carved one: seams that face the viewer are not drawn.")
         .param("grid", &Sheet::Params::grid,
                "Name of the grid to show, in both volumes. Vectors are shown by their length. A "
                "render needs floats.")
@@ -290,36 +289,33 @@ NodeType preview_sheet() {
             "Direction of view, an index axis of the grid. Up is z, or y if the view is along z.")
         .param("show", &Sheet::Params::show,
                "How to show `before`, `after` and their difference: `maximum` along the axis, "
-               "`slice` across it, or `both`; or a list, such as "
-               "`[render, slice]`, whose rows follow each other in that order. A maximum hides all "
-               "that is lost beside the highest value of each line of "
-               "sight: look at a render first. `render` shows `before` and "
-               "`after` as smoke, lit from the upper left with shadows, and as glowing fire. A "
-               "grid named `flame`, `temperature` or `heat` is fire, any other "
-               "is smoke; smoke is shown with the volume's `flame`, fire with its `density`. All "
-               "renders share one exposure: the highest values of `before` in "
-               "the frames shown are the thickest smoke and the brightest fire; so the grids of "
-               "these frames stay in memory until the last one. Energy and "
-               "seams are always a slice.")
+               "`slice` across it, or `both`; or a list, such as `[render, slice]`, whose rows "
+               "follow each other in that order. A maximum hides all that is lost beside the "
+               "highest value of each line of sight: look at a render first. `render` shows "
+               "`before` and `after` as smoke, lit from the upper left with shadows, and as "
+               "glowing fire. A grid named `flame`, `temperature` or `heat` is fire, any other is "
+               "smoke; smoke is shown with the volume's `flame`, fire with its `density`. All "
+               "renders share one exposure: the highest values of `before` in the frames shown are "
+               "the thickest smoke and the brightest fire; so the grids of these frames stay in "
+               "memory until the last one. Energy and seams are always a slice.")
         .param("slice", &Sheet::Params::slice, Unit::voxels, any_number(),
                "Position of slices: the index coordinate along the axis. Auto: the middle of the "
-               "active voxels of `before` in the frames shown; grids to slice "
-               "then stay in memory until the last of these frames.")
+               "active voxels of `before` in the frames shown; grids to slice then stay in memory "
+               "until the last of these frames.")
         .param("exposure", &Sheet::Params::exposure, Unit::none, between(-10, 10),
                "Brightness of renders, in stops: each stop doubles the light of smoke and fire, so "
                "that faint smoke is seen; the background stays.")
         .param("overlay", &Sheet::Params::overlay,
                "What is drawn as lines, one name or a list; `[]` is nothing. `lattice` and `rig` "
-               "go over all pictures, as they stand before the carve: of the "
-               "lattice about 16 planes and its four edges along `w`. `seams` go over the slice of "
-               "`energy`, where they cross it. The area shown grows to hold "
-               "the lattice and the rig, but on no side by more than its own size.")
+               "go over all pictures, as they stand before the carve: of the lattice about 16 "
+               "planes and its four edges along `w`. `seams` go over the slice of `energy`, where "
+               "they cross it. The area shown grows to hold the lattice and the rig, but on no "
+               "side by more than its own size.")
         .param("difference", &Sheet::Params::difference,
                "Whether to show `after` minus `before`, voxel by voxel in index space. In a "
-               "`maximum` it is the difference of largest magnitude along the "
-               "axis, with its sign: 0 only if nothing changes along the line. Beyond a removed "
-               "seam all content has moved, and so differs. Renders have no "
-               "difference.")
+               "`maximum` it is the difference of largest magnitude along the axis, with its sign: "
+               "0 only if nothing changes along the line. Beyond a removed seam all content has "
+               "moved, and so differs. Renders have no difference.")
         .param("frames", &Sheet::Params::frames, Unit::frames, between(1, 12),
                "Number of frames to show, in even steps from the first to the last. 1: the middle "
                "one.")

@@ -24,8 +24,8 @@ struct SheetWish {
     std::optional<int> slice;  ///< index coordinate along the view; nothing: the middle of `before`
                                ///< in all frames shown
     bool difference = true;
-    std::uint64_t budget =
-        ~std::uint64_t{0};  ///< memory of what tiles become as voxels, bytes (grid_fits)
+    /// Memory of what tiles become as voxels, bytes (grid_fits)
+    std::uint64_t budget = ~std::uint64_t{0};
 };
 
 /// The data of one frame. All grids but `before` may be null, but then in all frames.

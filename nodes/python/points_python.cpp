@@ -140,9 +140,8 @@ NodeType points_python() {
                                "Python, `points(p, ..., at)`.");
     node.input("inputs", &PointsPython::Ports::inputs,
                "Particles by name: `{p: drops}`. The function gets each as a dict of arrays: `P`, "
-               "the positions in the world, (n, 3), and each attribute, (n,) or "
-               "(n, 3). It returns such a dict, of any number of points; the result is stored as "
-               "the first input is.");
+               "the positions in the world, (n, 3), and each attribute, (n,) or (n, 3). It returns "
+               "such a dict, of any number of points; the result is stored as the first input is.");
     return declare_python(node)
         .output("points", &PointsPython::Ports::points, "The particles.")
         .kept();

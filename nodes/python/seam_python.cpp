@@ -124,10 +124,9 @@ NodeType seam_python() {
     Declare<SeamPython> node(
         "seam.python",
         "Finds seams by your own function in Python, `seam(energy, at)`. It is called once for "
-        "each seam, with what each entry costs, an array [t, k, j, "
-        "entry]: "
-        "inf is protected, below 0 attracted. It returns the seam's entries, whole numbers [t, k, "
-        "j], which may differ by at most 1 between neighbours.");
+        "each seam, with what each entry costs, an array [t, k, j, entry]: inf is protected, below "
+        "0 attracted. It returns the seam's entries, whole numbers [t, k, j], which may differ by "
+        "at most 1 between neighbours.");
     return declare_python(declare_solver(node));
 }
 

@@ -29,8 +29,8 @@ public:
     struct Part {
         std::vector<std::size_t> leaves;  ///< indices, rising; those of neighbours, too
         openvdb::CoordBBox box;           ///< of voxels, neighbours included
-        std::optional<openvdb::Coord>
-            block;  ///< the lowest voxel of the block whose results are wanted; nothing: all are
+        /// The lowest voxel of the block whose results are wanted; nothing: all are.
+        std::optional<openvdb::Coord> block;
         /// Whether results of a leaf are wanted. @param origin  of the leaf
         bool wants(const openvdb::Coord& origin) const;
     };

@@ -10,8 +10,8 @@ namespace fluidcarve {
 /// share of the voxel that is inside, from 0 to 1. Only active voxels count; in a level set, all.
 /// Values that are not finite, or beyond the range of floats, count as 0.
 struct GridMeasure {
-    openvdb::BBoxd
-        box;  ///< around the active voxels, to their outer faces, world units; empty() without any
+    /// Around the active voxels, to their outer faces, world units; empty() without any.
+    openvdb::BBoxd box;
     double mass = 0;  ///< sum of the amounts times the volume of a voxel, cubic world units; of a
                       ///< level set, its volume
     std::optional<double> highest;  ///< highest amount; nothing for level sets

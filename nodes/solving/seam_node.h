@@ -81,8 +81,8 @@ protected:
     void solve(const Params& params, Ports& io, Context& context, const FindSeam& find,
                const StartFrom& start_from = nullptr);
 
-    std::chrono::milliseconds hold_after_ =
-        std::chrono::seconds(5);  ///< shortest time between two calls of Context::hold
+    /// Shortest time between two calls of Context::hold.
+    std::chrono::milliseconds hold_after_ = std::chrono::seconds(5);
 
 private:
     GatheredEnergy gathered_;

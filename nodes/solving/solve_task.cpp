@@ -1,6 +1,7 @@
 #include "nodes/solving/solve_task.h"
 
 #include "carve/solver/task/no_more.h"
+#include "carve/solver/task/part_finder.h"
 #include "carve/solver/task/task_bounds.h"
 #include "nodes/solving/report.h"
 
@@ -20,11 +21,10 @@ using Clock = std::chrono::steady_clock;
 class TaskSearch {
 public:
     TaskSearch(EnergyVolume& energy, const SearchSetup& setup, const Context& context)
-        : energy_(energy),
-          task_(setup.task),
+        : task_(setup.task),
           setup_(setup),
           context_(context),
-          taken_(bytes_taken()) {}
+          parts_(energy, setup.task, setup.space, setup.find, context.limits()) {}
 
     ReportedSeams run() {
         // The pair window comes first: seams there do not move the window below.
@@ -43,13 +43,6 @@ public:
     }
 
 private:
-    /// Bytes of energies and seams, which share the budget.
-    std::uint64_t bytes_taken() const {
-        const auto seams = static_cast<std::uint64_t>(task_.count) * (task_.pairs ? 2 : 1) *
-                           columns_of(task_, setup_.space).count() * sizeof(std::uint16_t);
-        return energy_.bytes() + seams;
-    }
-
     /// How much of this search's work a part makes, from 0 to 1: its share of the seams that are
     /// still missing.
     double share_of(const SeamTask::Part& part) const {
@@ -70,13 +63,6 @@ private:
             context_.check_cancelled();
             context_.progress(done_ + share * fraction);
         };
-        // Seams that do not fit beside the energies go to disk.
-        const bool fits = taken_ <= context_.memory_budget();
-        KeepSeam keep;
-        if (!fits)
-            keep = [&](const SeamEntries& entries) {
-                return SeamEntries::in_file(entries, context_.work_folder());
-            };
         Continued continued;
         if (const auto& before = setup_.before.seams)
             continued.before = part.pair ? before->pairs : before->seams;
@@ -85,25 +71,15 @@ private:
             // After the last seam, the whole set is delivered anyway.
             if (part.pair || now.seams.size() < static_cast<std::size_t>(count_)) hold(now, part);
         };
-        continued.memory_budget = fits ? context_.memory_budget() - taken_ : 0;
-        continued.folder = context_.work_folder();
         continued.best_effort = setup_.best_effort;
         continued.thick = setup_.thick;
-        if (setup_.finest > 1)
-            continued.full =
-                FullSize{columns_of(task_, setup_.space), task_.shape[dimension(task_.axis)]};
         TaskBounds bounds(
             setup_.bound_passes, static_cast<int>(continued.before.size()),
-            [&] { context_.check_cancelled(); }, continued.memory_budget, continued.folder);
+            [&] { context_.check_cancelled(); }, parts_.memory(), context_.work_folder());
         continued.bounds = &bounds;
-        try {
-            auto out = find_seams(energy_, part.kind, count_, part.window, setup_.find, tick, keep,
-                                  part.static_, continued);
-            done_ += share;
-            return out;
-        } catch (const NoSeam& none) {
-            throw Failure(why_no_more(none, task_, part, setup_.space));
-        }
+        auto out = parts_(part, count_, tick, std::move(continued));
+        done_ += share;
+        return out;
     }
 
     /// Delivers the seams found so far as a complete set.
@@ -135,7 +111,7 @@ private:
         set->pairs = pairs_.seams;
         set->find_shifts();
         auto report = empty_report(*set);
-        if (setup_.finest > 1) report["finest"] = setup_.finest;
+        if (task_.finest > 1) report["finest"] = task_.finest;
         if (set->thick()) report["thickness"] = set->thickness;
         describe_seams(found, "", setup_.marks, report);
         if (task_.pairs) describe_seams(pairs_, "pair_", setup_.marks, report);
@@ -143,11 +119,10 @@ private:
         return {std::move(set), std::move(report)};
     }
 
-    EnergyVolume& energy_;
     const SeamTask& task_;
     const SearchSetup& setup_;
     const Context& context_;
-    const std::uint64_t taken_;
+    const PartFinder parts_;
     int count_ = task_.count;  ///< of seams to find; after the pairs, as many as there are pairs
     FoundSeams pairs_;
     double done_ = 0;  ///< share of the work, 0 to 1

@@ -25,9 +25,8 @@ struct SearchSetup {
     std::optional<int> bound_passes;  ///< of lower_bound(); nothing: none, and of large energies
                                       ///< only the first seam gets a bound
     std::chrono::milliseconds hold_after;  ///< shortest time between two calls of Context::hold
-    bool best_effort =
-        false;       ///< fewer seams than the task wants are a result, too, if no more are possible
-    int finest = 1;  ///< 2: the energy is at half size
+    /// Fewer seams than the task wants are a result, too, if no more are possible.
+    bool best_effort = false;
     std::optional<Thick> thick = {};  ///< nothing: seams are thin
 };
 

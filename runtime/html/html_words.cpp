@@ -1,5 +1,8 @@
 #include "runtime/html/html_words.h"
 
+#include "graph/text/xml_text.h"
+#include "runtime/html/html_parts.h"
+
 namespace fluidcarve {
 
 std::string plain(const nlohmann::ordered_json& value) {

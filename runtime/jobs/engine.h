@@ -28,8 +28,8 @@ struct FarmEngine {
     std::string doc;              ///< one clause, for the help
     std::string progress;         ///< how tasks show progress (`run --progress`)
     bool other_machines = false;  ///< tasks run elsewhere, so that the work folder must be shared
-    std::vector<std::string>
-        options;  ///< those of the verb that only some engines take, and this one does
+    /// Those of the verb that only some engines take, and this one does.
+    std::vector<std::string> options;
     /// Why it can't do what is asked; empty: it can. Left out: it always can.
     std::function<std::string(const FarmRequest& request)> refusal;
     /// Prints what it did. The job is in the work folder by then.

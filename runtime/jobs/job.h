@@ -52,11 +52,11 @@ struct FarmJob {
     std::string name;      ///< unique in the work folder; the same command makes the same name
     std::string pipeline;  ///< path of the pipeline file, as it was given
     std::string folder;    ///< the current folder, absolute
-    std::vector<std::string>
-        prefix;              ///< words before the program: `env SHOT=sh010 rez-env fluidcarve --`
-    std::string executable;  ///< the program
-    std::string work;        ///< the work folder, absolute
-    std::string again;       ///< the command that makes this job again, for a shell
+    /// Words before the program: `env SHOT=sh010 rez-env fluidcarve --`
+    std::vector<std::string> prefix;
+    std::string executable;       ///< the program
+    std::string work;             ///< the work folder, absolute
+    std::string again;            ///< the command that makes this job again, for a shell
     std::vector<FarmStep> steps;  ///< a step stands after those that it needs
     std::vector<FarmPath> paths;  ///< all that is read and written
 

@@ -227,8 +227,8 @@ private:
     const FarmRequest& request_;
     std::vector<StepState> states_;
     std::vector<Running> running_, again_;
-    std::vector<std::pair<std::size_t, std::size_t>>
-        repeated_;  ///< tasks that have run again, by step and task
+    /// Tasks that have run again, by step and task.
+    std::vector<std::pair<std::size_t, std::size_t>> repeated_;
     std::size_t done_ = 0;
     int code_ = exit_code::done;
 };

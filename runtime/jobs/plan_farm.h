@@ -12,8 +12,8 @@ namespace fluidcarve {
 
 /// What every task of a job shares.
 struct FarmCommand {
-    std::vector<std::pair<std::string, std::string>>
-        environment;                    ///< name and value of the variables that tasks need
+    /// Name and value of the variables that tasks need.
+    std::vector<std::pair<std::string, std::string>> environment;
     std::vector<std::string> prefix;    ///< words before the program
     std::string executable;             ///< the program
     std::vector<std::string> pipeline;  ///< words after it: `run`, the pipeline and what is set in

@@ -87,8 +87,8 @@ private:
 
     const Pipeline& pipeline_;
     std::vector<std::size_t> changed_;  ///< nodes
-    std::vector<Row>
-        rows_;  ///< per node: bit n is set if `changed_[n]` is upstream; no bits: none is
+    /// Per node: bit n is set if `changed_[n]` is upstream; no bits: none is.
+    std::vector<Row> rows_;
 };
 
 /// Per node: the nodes that read it, each once, in order.

@@ -25,8 +25,8 @@ namespace fluidcarve {
 /// claims by renaming it. What a killed process left open is only read. Thread-safe.
 class Packs {
 public:
-    static constexpr std::uint64_t full =
-        std::uint64_t{16} << 20;  ///< bytes from which on nothing is appended to a pack
+    /// Bytes from which on nothing is appended to a pack.
+    static constexpr std::uint64_t full = std::uint64_t{16} << 20;
 
     /// @param folder  where the packs are; empty: nothing is kept
     explicit Packs(std::string folder) : folder_(std::move(folder)) {}

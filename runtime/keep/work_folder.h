@@ -48,11 +48,11 @@ public:
 
     /// What `clean` is to remove.
     struct Wish {
-        std::optional<std::chrono::seconds>
-            older{};           ///< only what was not used for so long; nothing: all
+        /// Only what was not used for so long; nothing: all.
+        std::optional<std::chrono::seconds> older{};
         bool dry_run = false;  ///< only counts
-        std::optional<std::string>
-            shot{};  ///< only what a run of this shot made (shot_of); results of up to 64 KB stay
+        /// Only what a run of this shot made (shot_of); results of up to 64 KB stay.
+        std::optional<std::string> shot{};
     };
     /// What `clean` did, or would do.
     struct Cleaned {

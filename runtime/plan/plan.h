@@ -13,8 +13,8 @@ struct Wish {
     std::string to;  ///< NODE: this node and everything upstream; NODE.INPUT: only the digests of a
                      ///< gatherer; several by commas; empty: all leaves
     std::string from;  ///< only leaves downstream of this node; empty: all
-    bool only =
-        false;  ///< run `to` alone: cached nodes that it needs must already have their results
+    /// Run `to` alone: cached nodes that it needs must already have their results.
+    bool only = false;
 };
 
 /// One pass of the frames through a part of the pipeline. All numbers are indices of pipeline
@@ -22,10 +22,10 @@ struct Wish {
 struct Pass {
     std::vector<std::size_t> before;     ///< nodes that run once before the frames, in order
     std::vector<std::size_t> per_frame;  ///< nodes that run per frame, in order
-    std::vector<std::size_t>
-        gatherers;  ///< nodes that take the frames in order and finish after the last
-    std::vector<std::size_t>
-        delivers;  ///< targets among `per_frame`: they run for the delivered frames
+    /// Nodes that take the frames in order and finish after the last.
+    std::vector<std::size_t> gatherers;
+    /// Targets among `per_frame`: they run for the delivered frames.
+    std::vector<std::size_t> delivers;
 
     /// `[gatherer][pipeline node]`: whether the gatherer needs the per-frame node.
     std::vector<std::vector<bool>> gatherer_needs;
@@ -38,8 +38,8 @@ struct Plan {
     std::vector<Pass> passes;
     std::vector<std::size_t> after;  ///< nodes that run once after the last pass
     std::vector<bool> targets;       ///< per node: whether the wish asks for it
-    std::vector<bool>
-        digested;  ///< per node: whether it is a gatherer of which only the digests are wanted
+    /// Per node: whether it is a gatherer of which only the digests are wanted.
+    std::vector<bool> digested;
     std::vector<bool> needed;       ///< per node: whether it is a target or upstream of one
     std::vector<bool> in_sequence;  ///< per node: whether a gatherer needs it, and so in every
                                     ///< frame, not only in delivered ones

@@ -12,16 +12,16 @@ namespace fluidcarve {
 /// What make_schedule asks about the cache and the nodes. A place is an index in the sequence; 0
 /// for nodes that deliver once.
 struct Known {
-    std::function<bool(std::size_t node, std::size_t place)>
-        result;  ///< whether the result is cached
-    std::function<bool(std::size_t node, std::size_t place)>
-        digest;  ///< whether a gatherer's digest of the frame is cached
-    std::function<bool(std::size_t node, std::size_t place)>
-        wants;  ///< whether a gatherer takes the frame
-    std::function<bool(std::size_t node, std::size_t place)>
-        delivers;  ///< whether a node that delivers per frame has the frame
-    std::function<bool(std::size_t node, std::size_t place)>
-        keeps;  ///< whether later passes can load a result that this run computes
+    /// Whether the result is cached.
+    std::function<bool(std::size_t node, std::size_t place)> result;
+    /// Whether a gatherer's digest of the frame is cached.
+    std::function<bool(std::size_t node, std::size_t place)> digest;
+    /// Whether a gatherer takes the frame.
+    std::function<bool(std::size_t node, std::size_t place)> wants;
+    /// Whether a node that delivers per frame has the frame.
+    std::function<bool(std::size_t node, std::size_t place)> delivers;
+    /// Whether later passes can load a result that this run computes.
+    std::function<bool(std::size_t node, std::size_t place)> keeps;
 };
 
 /// What each node will do in each frame of a run.
@@ -64,8 +64,8 @@ Schedule make_schedule(const Pipeline& pipeline, const Plan& plan,
 
 /// How often a node's bodies are called, over all passes.
 struct Calls {
-    std::size_t runs =
-        0;  ///< computed frames; one that two passes need, and that is not kept, counts twice
+    /// Computed frames; one that two passes need, and that is not kept, counts twice.
+    std::size_t runs = 0;
     std::size_t takes = 0;  ///< for a gatherer: frames taken from its inputs
     std::size_t loads = 0;  ///< cached results and digests that are loaded
     bool once = false;      ///< it finishes, or runs once
@@ -86,8 +86,8 @@ struct Share {
     std::size_t frames = 0;  ///< frames that the run needs; for a node that runs once: 1, or the
                              ///< frames that it gathers
     std::size_t runs = 0;    ///< frames that the run computes; the others are cached
-    bool only_takes =
-        false;  ///< only the digests of a gatherer are wanted; `frames` and `runs` then count these
+    /// Only the digests of a gatherer are wanted; `frames` and `runs` then count these.
+    bool only_takes = false;
     std::size_t taken_anew = 0,
                 taken_kept =
                     0;  ///< for a gatherer: frames taken from its inputs, and from cached digests

@@ -16,8 +16,8 @@ public:
     /// Frames of a node.
     struct Line {
         std::vector<int> frames;  ///< their numbers
-        std::vector<std::optional<std::size_t>>
-            index;  ///< per place: the index in `frames`; nothing: the node does not have the frame
+        /// Per place: the index in `frames`; nothing: the node does not have the frame.
+        std::vector<std::optional<std::size_t>> index;
     };
 
     Timelines() = default;

@@ -107,12 +107,12 @@ struct Flow::Self {
     std::vector<Behaviour> behaviours{};
     std::vector<Steps> steps = std::vector<Steps>(pipeline.nodes.size());
     std::vector<Calls> all_calls{};  ///< per node
-    std::vector<std::size_t> gathered =
-        std::vector<std::size_t>(pipeline.nodes.size());  ///< per node: frames that it has taken
+    /// Per node: frames that it has taken.
+    std::vector<std::size_t> gathered = std::vector<std::size_t>(pipeline.nodes.size());
     std::vector<std::vector<Payload>> held = std::vector<std::vector<Payload>>(
         pipeline.nodes.size());  ///< `[node][output]`: outputs of nodes that run once
-    std::vector<std::set<std::size_t>> readers =
-        io.readers();                       ///< per node: those that may still read what it holds
+    /// Per node: those that may still read what it holds.
+    std::vector<std::set<std::size_t>> readers = io.readers();
     std::atomic<bool> failed{false};        ///< a body failed
     std::atomic<bool> fatal{false};         ///< the failure ends the run even with `keep_going`
     std::atomic<bool> lost{false};          ///< a cached result is missing

@@ -36,11 +36,11 @@ struct Forecast {
     double seconds = 0;        ///< estimated wall time of the nodes that were measured before
     std::vector<std::string> unmeasured;  ///< nodes without a measured time
     bool remembers = true;                ///< whether there is a work folder to measure for
-    std::vector<NodeCost>
-        expected;             ///< per node of the pipeline: its costs in the setting of this run
+    /// Per node of the pipeline: its costs in the setting of this run.
+    std::vector<NodeCost> expected;
     std::uint64_t bytes = 0;  ///< estimated memory; 0: unknown
-    std::uint64_t disk =
-        0;  ///< estimated bytes that are written, to the work folder and to outputs; 0: unknown
+    /// Estimated bytes that are written, to the work folder and to outputs; 0: unknown.
+    std::uint64_t disk = 0;
     int cores = 0;  ///< threads
 };
 

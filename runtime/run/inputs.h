@@ -20,14 +20,14 @@ namespace fluidcarve {
 struct Inputs {
     Timelines timelines;         ///< the frames of each node, without those that readers leave out
     std::vector<Fault> missing;  ///< files and grids that are missing or unreadable
-    std::vector<Fault>
-        clashes;  ///< pictures of different sizes that meet in a node, which no body finds
-    std::map<std::size_t, std::map<int, int>>
-        stand_ins;  ///< per node: frame to the frame whose file it uses instead of its own
-    std::map<std::size_t, std::map<std::string, Region>>
-        regions;  ///< per node: where its outputs lie, by name, so far as it tells
-    std::uint64_t frame_bytes =
-        0;  ///< largest frame of a reader in memory, estimated from its file; 0: unknown
+    /// Pictures of different sizes that meet in a node, which no body finds.
+    std::vector<Fault> clashes;
+    /// Per node: frame to the frame whose file it uses instead of its own.
+    std::map<std::size_t, std::map<int, int>> stand_ins;
+    /// Per node: where its outputs lie, by name, so far as it tells.
+    std::map<std::size_t, std::map<std::string, Region>> regions;
+    /// Largest frame of a reader in memory, estimated from its file; 0: unknown.
+    std::uint64_t frame_bytes = 0;
 };
 
 /// Calls the survey of each node that the run needs. Warnings go to the report.

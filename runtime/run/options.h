@@ -16,8 +16,8 @@ struct RunOptions {
     bool keep_going = false;  ///< run the other frames after a failure
     bool cache = true;        ///< read and write cached results in the work folder
     bool sync = false;        ///< wait until each written file is on the disk
-    std::uint64_t cache_size = std::uint64_t{50} * 1024 * 1024 *
-                               1024;  ///< bytes of cached results that remain after a run
+    /// Bytes of cached results that remain after a run.
+    std::uint64_t cache_size = std::uint64_t{50} * 1024 * 1024 * 1024;
 
     /// Bodies that can work at once.
     /// @param calls  of a body that is called per frame; nothing: its loops use all threads

@@ -10,8 +10,8 @@ namespace fluidcarve {
 /// Memory of the process and of the machine, in bytes.
 struct MemoryNow {
     std::uint64_t held = 0;  ///< what the process has in memory
-    std::uint64_t free =
-        0;  ///< what it may still take: free in the machine, and within the limit of the process
+    /// What it may still take: free in the machine, and within the limit of the process.
+    std::uint64_t free = 0;
 };
 MemoryNow memory_now();
 

@@ -52,8 +52,8 @@ private:
         return out;
     }
 
-    std::map<std::string, std::optional<Region>, std::less<>>
-        inputs_;  ///< connected ones; nothing: not known
+    /// Connected ones; nothing: not known.
+    std::map<std::string, std::optional<Region>, std::less<>> inputs_;
 };
 
 }  // namespace

@@ -51,8 +51,8 @@ private:
     std::condition_variable_any changed_;
     std::size_t next_ = 0, until_ = 0;  ///< frames that are asked for next
     std::vector<std::size_t> done_;     ///< frames whose files may be dropped
-    std::deque<std::size_t>
-        lately_;  ///< frames that were done last: not all that they wrote may be on the disk
+    /// Frames that were done last: not all that they wrote may be on the disk.
+    std::deque<std::size_t> lately_;
     std::jthread thread_;
 };
 

@@ -25,8 +25,8 @@ struct RunRequest {
     std::string task;    ///< JOB/STEP: this run is a task of a farm's job, and is recorded as one;
                          ///< empty: it is not
     bool quiet = false;  ///< print failures only
-    bool verbose =
-        false;  ///< print the forecast before the run, and the time of each node after it
+    /// Print the forecast before the run, and the time of each node after it.
+    bool verbose = false;
 };
 
 }  // namespace fluidcarve

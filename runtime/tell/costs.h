@@ -13,9 +13,9 @@ namespace fluidcarve {
 
 /// What a time depends on, as far as a run knows it. A zero is unknown, or does not matter.
 struct CostSetting {
-    double abreast =
-        1;             ///< bodies that could work at once; for a body that is called once: threads
-    double cores = 1;  ///< cores that a body called once kept busy
+    /// Bodies that could work at once; for a body that is called once: threads.
+    double abreast = 1;
+    double cores = 1;               ///< cores that a body called once kept busy
     std::uint64_t input_bytes = 0;  ///< memory of a frame, as the readers estimate it
     std::size_t gathered = 0;       ///< frames that a gatherer had taken
     std::size_t items = 0;          ///< items of a growing result (Growth) that were found
@@ -110,8 +110,8 @@ private:
     const std::vector<NodeCost> expected_;
     mutable std::mutex mutex_;
     std::size_t at_work_ = 0;  ///< open spans
-    double shared_ =
-        0;  ///< sum of the wall time, each moment divided by the number of open spans; seconds
+    /// Sum of the wall time, each moment divided by the number of open spans; seconds.
+    double shared_ = 0;
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
     std::vector<std::array<Sum, work_kinds>> sums_;
 };

@@ -14,8 +14,8 @@ struct Outcome {
     std::size_t frames = 0;  ///< delivered
     double seconds = 0;
     bool idle = false;  ///< nothing had to be done
-    std::vector<std::string>
-        paths;  ///< of the files that it wrote, or found up to date, with frame tokens
+    /// Of the files that it wrote, or found up to date, with frame tokens.
+    std::vector<std::string> paths;
 };
 /// "done: 6 frames in 12.3 s -> out/plume.####.vdb, out/plume.png"; "done: nothing had to be done,
 /// all is there already: 6 frames -> ...".

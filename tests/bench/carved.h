@@ -13,8 +13,8 @@
 /// A shipped pipeline, and what of it is looked at.
 struct Scene {
     std::string pipeline;  ///< `plume` for pipelines/plume.yaml
-    std::string
-        input;  ///< the pipeline's parameter that names its input, and the node that reads it
+    /// The pipeline's parameter that names its input, and the node that reads it.
+    std::string input;
     std::string files;  ///< in a folder of data; `*`: each file there is a shot of its own
     std::vector<std::string> grids;   ///< what is seen: their mean; none: of all that there are
     std::vector<const char*> counts;  ///< of seams, or a share of the vertices along u
@@ -25,8 +25,8 @@ struct Shot {
     Scene scene;
     std::string name;   ///< of the scene, and of the file if there may be several
     std::string files;  ///< whole path
-    std::optional<std::pair<int, int>>
-        range;  ///< the first and the last frame; nothing: a single image
+    /// The first and the last frame; nothing: a single image.
+    std::optional<std::pair<int, int>> range;
 };
 
 /// @return none if the folder holds no files of the scene
@@ -34,8 +34,8 @@ std::vector<Shot> find_shots(const Scene& scene, const std::string& folder);
 
 /// What a pipeline made of a sequence, and in which space.
 struct Carved {
-    std::vector<fluidcarve::Ref<fluidcarve::Lattice>>
-        lattices;  ///< of each frame, before the carve
+    /// Of each frame, before the carve.
+    std::vector<fluidcarve::Ref<fluidcarve::Lattice>> lattices;
     std::vector<fluidcarve::Ref<fluidcarve::Volume>> before, after;  ///< of each frame
     std::optional<std::array<double, 4>> windows;  ///< of seam pairs: first and last vertex of both
 };

@@ -9,8 +9,8 @@ namespace faults {
 /// `work/`.
 struct Job {
     std::string name;
-    std::vector<std::string>
-        before;             ///< commands that run first, without faults; {} is the program
+    /// Commands that run first, without faults; {} is the program.
+    std::vector<std::string> before;
     std::string command;    ///< the one that calls fail in
     std::string then = {};  ///< a command that ends well after one that did, since it finds what
                             ///< that kept; empty: nothing is to be kept

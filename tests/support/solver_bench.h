@@ -35,8 +35,8 @@ inline MaskGrid::Ptr mask_grid(const std::vector<openvdb::Coord>& voxels) {
 struct Listener : Context::Host {
     nlohmann::ordered_json entry;
     std::vector<std::string> warnings;
-    std::vector<std::pair<Ref<Seams>, nlohmann::ordered_json>>
-        held;  ///< with what was reported of each
+    /// With what was reported of each.
+    std::vector<std::pair<Ref<Seams>, nlohmann::ordered_json>> held;
     void warn(const std::string& message) override { warnings.push_back(message); }
     void report(const std::string&, const nlohmann::ordered_json& json) override { entry = json; }
     void hold(const Payload& result) override { held.emplace_back(result.as<Seams>(), entry); }
@@ -56,8 +56,8 @@ struct Otherwise {
     nlohmann::ordered_json reported;
     std::uint64_t memory_budget = ~std::uint64_t{0};
     std::string work_folder;
-    std::function<Payload(const Payload&)>
-        digest;  ///< what becomes of each digest before it is taken
+    /// What becomes of each digest before it is taken.
+    std::function<Payload(const Payload&)> digest;
 };
 
 /// Runs a solver over frames 5, 6 ...; one energy for all frames or one for each, lattices and

@@ -25,10 +25,10 @@ struct Tolerance {
 
 /// The place of the greatest difference.
 struct WorstPlace {
-    std::vector<std::int64_t>
-        index;  ///< voxel, pixel from the lower left, or number of the vertex or point from 0
-    std::optional<std::array<double, 3>>
-        world;  ///< centre of the voxel, or the position in the first file; images have none
+    /// Voxel, pixel from the lower left, or number of the vertex or point from 0.
+    std::vector<std::int64_t> index;
+    /// Centre of the voxel, or the position in the first file; images have none.
+    std::optional<std::array<double, 3>> world;
     std::vector<double> a, b;  ///< both values; vectors have three numbers
 };
 
@@ -37,16 +37,16 @@ struct WorstPlace {
 struct PartDifference {
     std::string name;               ///< "density"; of a mesh "mesh"
     std::string values = "voxels";  ///< what is compared: "voxels", "pixels", "vertices", "points"
-    std::vector<std::string>
-        faults;  ///< differences other than those of values: "only in A", "transform: ..."
+    /// Differences other than those of values: "only in A", "transform: ...".
+    std::vector<std::string> faults;
     std::uint64_t compared = 0;  ///< values that are active in A or in B
     std::uint64_t over = 0;      ///< of these, those that differ by more than the tolerance
     std::uint64_t warned = 0;    ///< those that differ by more than Tolerance::warn
     std::uint64_t only_a = 0;    ///< those that are active in A only
     std::uint64_t only_b = 0;
-    std::uint64_t not_finite =
-        0;           ///< those whose difference is no finite number; they are not part of the sums
-    double sum = 0;  ///< of the differences
+    /// Those whose difference is no finite number; they are not part of the sums.
+    std::uint64_t not_finite = 0;
+    double sum = 0;                   ///< of the differences
     double squares = 0;               ///< of their squares
     double peak = 0;                  ///< the greatest difference; infinite if one is not finite
     std::optional<WorstPlace> worst;  ///< nothing: no values differ

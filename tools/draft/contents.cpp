@@ -157,8 +157,8 @@ private:
 
     const std::vector<Facts>& files_;
     std::vector<const Facts*> shared_;  ///< those that every file has
-    std::vector<std::pair<const Facts*, const Facts*>>
-        lacked_;  ///< the others of the first file, each with a file that lacks it
+    /// The others of the first file, each with a file that lacks it.
+    std::vector<std::pair<const Facts*, const Facts*>> lacked_;
 };
 
 using Words = std::span<const std::string_view>;

@@ -1,6 +1,7 @@
 #include "tools/draft/draft_text.h"
 
 #include "carve/base/frame_set.h"
+#include "carve/base/words.h"
 #include "graph/text/yaml_text.h"
 
 #include <charconv>

@@ -304,8 +304,8 @@ private:
 
     const DraftRequest& request_;
     const Contents contents_;
-    std::vector<std::pair<std::string, std::string>>
-        offered_;  ///< outputs of the reader, and what they are, as YAML
+    /// Outputs of the reader, and what they are, as YAML.
+    std::vector<std::pair<std::string, std::string>> offered_;
     std::vector<Protected> protected_;
     std::string nodes_;
 };

@@ -12,16 +12,16 @@ namespace fluidcarve {
 struct DraftRequest {
     std::string input;   ///< path of the files, with a frame token if there are several
     std::string frames;  ///< those that are there, as text; empty: `input` is one file
-    std::vector<nlohmann::ordered_json>
-        facts;  ///< what some of the files hold, as FileInspector::look describes it; at least one
+    /// What some of the files hold, as FileInspector::look describes it; at least one.
+    std::vector<nlohmann::ordered_json> facts;
     std::string out;             ///< path of the carved files
     std::string seams;           ///< path of the seams
     std::string sheet;           ///< path of the picture
     std::string count = "-20%";  ///< of seams
     char axis = 'x';             ///< x, y or z of the files; t: frames
     std::string solver;          ///< node type; empty: what suits the content
-    std::vector<std::string>
-        protect;  ///< each `GRID=VALUE`, or the path of a mesh or, for images, of a picture
+    /// Each `GRID=VALUE`, or the path of a mesh or, for images, of a picture.
+    std::vector<std::string> protect;
     using Fields = std::vector<std::pair<std::string, std::string>>;
     Fields solver_fields;  ///< parameters of the solver, as YAML on one line
     Fields remap_fields;   ///< of the nodes that carve

@@ -11,8 +11,8 @@ namespace fluidcarve {
 /// Inspects one kind of file for `fluidcarve inspect`. The files may be damaged.
 struct FileInspector {
     std::vector<std::string> endings;  ///< file extensions: ".vdb"
-    std::vector<std::string>
-        not_carved;     ///< those of the endings whose files hold nothing to carve
+    /// Those of the endings whose files hold nothing to carve.
+    std::vector<std::string> not_carved;
     std::string parts;  ///< field of `look`'s result with the list of what is in the file, each
                         ///< with a `name`: "grids"
     /// Reads a file and describes its content. Called in a child process, since damaged files may

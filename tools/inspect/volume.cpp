@@ -278,8 +278,8 @@ std::string space_text(const Json& grid) {
 
 /// Finds grids whose place or voxel size changes between files.
 std::vector<std::string> compare(const std::vector<Json>& files) {
-    std::map<std::string, std::pair<std::string, const Json*>>
-        first;  ///< grid name to the first file with it, and the grid
+    /// Grid name to the first file with it, and the grid.
+    std::map<std::string, std::pair<std::string, const Json*>> first;
     Oddities out;
     std::set<std::string> told;
     for (const auto& file : files)

@@ -32,8 +32,8 @@ struct PartComparison {
     int worst_frame = 0;              ///< of `sums.worst`
     Verdict verdict = Verdict::same;  ///< the worst of all frames
     std::vector<int> differing;       ///< frames with the verdict `different`
-    std::vector<std::pair<std::string, std::vector<int>>>
-        faults;  ///< PartDifference::faults, and the frames that have them
+    /// PartDifference::faults, and the frames that have them.
+    std::vector<std::pair<std::string, std::vector<int>>> faults;
 };
 
 /// Two sequences, or files, and what is known of them.

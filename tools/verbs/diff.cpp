@@ -285,8 +285,8 @@ private:
     std::optional<FrameSet> wanted_;
     std::vector<DiffPair> pairs_;
     std::vector<DiffFrame> frames_;
-    std::vector<std::pair<std::string, std::string>>
-        alone_;  ///< "A" or "B", and what the other folder lacks
+    /// "A" or "B", and what the other folder lacks.
+    std::vector<std::pair<std::string, std::string>> alone_;
     std::vector<std::string> faults_;
 };
 

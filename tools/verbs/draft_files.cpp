@@ -2,6 +2,7 @@
 
 #include "carve/base/failure.h"
 #include "carve/base/one_line.h"
+#include "carve/base/words.h"
 #include "tools/inspect/inspectors.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "tools/draft/request.h"
 #include "tools/verbs/sequences.h"
 
 #include <nlohmann/json.hpp>
@@ -12,8 +13,8 @@ namespace fluidcarve {
 /// The files that a pipeline is drafted for.
 struct DraftFiles {
     FileSequence sequence;
-    std::vector<nlohmann::ordered_json>
-        facts;  ///< of some frames, from the first to the last (FileInspector::look)
+    /// Of some frames, from the first to the last (FileInspector::look)
+    std::vector<nlohmann::ordered_json> facts;
     std::vector<std::string> notes;  ///< what is wrong between them, for people
 
     /// "plume" of "sim/plume.####.vdb".

@@ -12,8 +12,8 @@ namespace fluidcarve {
 struct NewNode {
     std::string name;     ///< name of the node type: `acme.sparkle`
     bool solver = false;  ///< true: a solver; false: an energy
-    bool python =
-        false;  ///< true: an energy by a script of Python, for energy.python; false: a plugin
+    /// True: an energy by a script of Python, for energy.python; false: a plugin.
+    bool python = false;
     std::string folder;  ///< empty: `FAMILY_NAME` in the current folder
 };
 

@@ -130,8 +130,8 @@ private:
         return out;
     }
 
-    std::vector<std::pair<std::string, std::vector<std::string>>>
-        changes_;  ///< lines, each with the things that it is about
+    /// Lines, each with the things that it is about.
+    std::vector<std::pair<std::string, std::vector<std::string>>> changes_;
 };
 
 /// Oddities of all files, each with its frames unless all have it.

@@ -9,8 +9,8 @@ namespace fluidcarve {
 /// The page of one run, to be shown beside those of others.
 struct PagePart {
     std::string path;  ///< of the page, as preview.page wrote it
-    std::vector<std::pair<std::string, std::string>>
-        differs;  ///< what the run differs in, and its values: {"count", "-4"}
+    /// What the run differs in, and its values: {"count", "-4"}.
+    std::vector<std::pair<std::string, std::string>> differs;
 };
 
 /// Shows several pages in one, for `fluidcarve wedge`: writes it whole or not at all.

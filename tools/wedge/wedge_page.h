@@ -10,8 +10,8 @@ namespace fluidcarve {
 
 /// One of the runs of a wedge.
 struct WedgeResult {
-    std::vector<std::pair<std::string, std::string>>
-        differs;                       ///< what it differs in, and its values
+    /// What it differs in, and its values.
+    std::vector<std::pair<std::string, std::string>> differs;
     std::vector<std::string> results;  ///< wedge_results() of its report
     bool failed = false;
     std::string picture;  ///< path of its PNG file; empty: none

@@ -11,11 +11,11 @@ namespace fluidcarve {
 
 /// What to do to carved grids besides copying and interpolating values (METHOD 5).
 struct Finish {
-    std::optional<bool>
-        renormalize;  ///< whether level sets become distances again; nothing: where they can
+    /// Whether level sets become distances again; nothing: where they can.
+    std::optional<bool> renormalize;
     std::vector<std::string> densities;  ///< names of grids that keep their mass
-    bool transform_vectors =
-        false;  ///< turn all grids of float vectors with space, also those in three parts
+    /// Turn all grids of float vectors with space, also those in three parts.
+    bool transform_vectors = false;
 };
 
 /// Finishes a carved volume.

@@ -178,8 +178,8 @@ private:
     const StepLines lines_;  ///< of the last step
     BlockWindow<TreeT> window_;
     const Voxel nothing_;
-    std::optional<SoftBlock<GridT>>
-        soft_;  ///< if the last step is smoothed; then it is the only one
+    /// If the last step is smoothed; then it is the only one.
+    std::optional<SoftBlock<GridT>> soft_;
 };
 
 }  // namespace

@@ -68,8 +68,8 @@ private:
     /// Displacements of a box of vertices under one step.
     struct Table {
         std::array<int, 3> first{}, size{};  ///< along the carved, the lateral and the slice axis
-        std::vector<int>
-            all;  ///< `[slice][lateral][entry]`, half vertices; beyond a rim, as at the rim
+        /// `[slice][lateral][entry]`, half vertices; beyond a rim, as at the rim.
+        std::vector<int> all;
         std::vector<float> smooth;  ///< the same for a smoothed step, vertices
         int low = 0, high = 0;      ///< bounds of all displacements, half vertices
         void fill(const CarveStep& step);

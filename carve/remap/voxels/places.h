@@ -16,8 +16,8 @@ class CarvedPlaces {
 public:
     /// Lattice index coordinates of eight voxels along z.
     struct Row {
-        unsigned inside =
-            0;  ///< bit z is set if voxel z lies in the lattice, or where insertions extend it
+        /// Bit z is set if voxel z lies in the lattice, or where insertions extend it.
+        unsigned inside = 0;
         std::array<openvdb::Vec3d, 8> at;
     };
 

@@ -433,8 +433,8 @@ private:
 
     const std::shared_ptr<const SlowPart> slow_;
     const bool joins_;
-    std::optional<std::array<Vec3d, 3>>
-        steps_;  ///< in a straight box: from a vertex to the next along u, v and w, voxels
+    /// In a straight box: from a vertex to the next along u, v and w, voxels.
+    std::optional<std::array<Vec3d, 3>> steps_;
     const GridT& grid_;
     BlockPlaces places_;
     BlockPlaces::Row found_;

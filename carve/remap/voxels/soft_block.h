@@ -23,11 +23,11 @@ namespace fluidcarve {
 /// voxels that run along the step's axis.
 struct SoftSources {
     static constexpr std::size_t voxels = 512;
-    std::array<std::int32_t, voxels>
-        shift;                       ///< entries from a point to the one whose content it gets
+    /// Entries from a point to the one whose content it gets.
+    std::array<std::int32_t, voxels> shift;
     std::array<float, voxels> part;  ///< of the way from there to the next entry, 0 to 1
-    std::array<std::uint8_t, voxels / 8>
-        in_lines;  ///< a bit for each point, whether the step has its line; others stay as they are
+    /// A bit for each point, whether the step has its line; others stay as they are.
+    std::array<std::uint8_t, voxels / 8> in_lines;
     std::array<std::uint8_t, voxels / 8> freed;  ///< likewise, whether nothing comes there
     int least, most;  ///< shifts in lines of the step; none: `least` is larger
 };
@@ -51,8 +51,8 @@ struct StepLines {
 /// Where points stand beside their voxels.
 struct Beside {
     int axis = 0;  ///< of the lattice
-    int side =
-        0;  ///< half a vertex below the voxel's vertex (-1) or above it (1); 0: at the vertex
+    /// Half a vertex below the voxel's vertex (-1) or above it (1); 0: at the vertex.
+    int side = 0;
 };
 
 /// Finds the sources of the points of a block.

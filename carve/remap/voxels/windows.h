@@ -109,8 +109,8 @@ public:
     struct Cells {
         bool held;  ///< whether all lie in the window; if not, nothing else is set
         std::array<int, 8> lowest, nearest;  ///< indices of voxels in the window
-        std::array<std::array<double, 8>, 3>
-            from;  ///< position from the lowest voxel along x, y and z, 0 to 1
+        /// Position from the lowest voxel along x, y and z, 0 to 1.
+        std::array<std::array<double, 8>, 3> from;
         openvdb::Vec3d t(std::size_t n) const { return {from[0][n], from[1][n], from[2][n]}; }
     };
     /// Finds the cells of eight points, in simple loops that compilers vectorize.

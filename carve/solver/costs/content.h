@@ -11,8 +11,8 @@ namespace fluidcarve {
 /// How much of a grid's content lies in a lattice.
 struct Content {
     std::uint64_t voxels = 0;  ///< active ones, those of tiles included
-    double inside =
-        0;  ///< how many of them lie in the lattice; of many voxels, an estimate by some
+    /// How many of them lie in the lattice; of many voxels, an estimate by some.
+    double inside = 0;
 
     void add(const Content& other) {
         voxels += other.voxels;

@@ -90,8 +90,8 @@ private:
     /// beside them is read, too, and then ignored.
     std::size_t margin() const { return width_ + most_beside; }
 
-    static constexpr std::size_t most_beside =
-        2 * lane_count;  ///< entries before and behind a column that may be read
+    /// Entries before and behind a column that may be read.
+    static constexpr std::size_t most_beside = 2 * lane_count;
     std::size_t columns_, width_;
     Codes fields_;
     std::optional<Codes> energies_;

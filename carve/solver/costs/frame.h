@@ -28,8 +28,8 @@ struct FrameEnergy {
         attract_missed;  ///< why a mask is empty, if it says so
     openvdb::math::Transform::ConstPtr transform,
         field_transform;  ///< of the grids; field_transform is null without a field
-    std::optional<openvdb::BBoxd>
-        active;       ///< world box of the energy's active voxels; nothing: none
+    /// World box of the energy's active voxels; nothing: none.
+    std::optional<openvdb::BBoxd> active;
     Content content;  ///< of the energy: how much of it lies in the lattice
 };
 

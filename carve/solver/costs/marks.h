@@ -59,8 +59,8 @@ private:
     const Lattice& lattice_;
     const openvdb::math::Transform& transform_;
     const openvdb::MaskTree set_;
-    openvdb::CoordBBox
-        box_;  ///< of the lowest of the 8 voxels around a vertex, if any of them may be set
+    /// Of the lowest of the 8 voxels around a vertex, if any of them may be set.
+    openvdb::CoordBBox box_;
     const std::optional<Alignment> alignment_;
 };
 

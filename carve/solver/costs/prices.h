@@ -25,8 +25,8 @@ struct Typical {
 /// What seams pay besides the energy, in typical units.
 struct Prices {
     float edges = 1;  ///< for an edge of typical size
-    float empty =
-        1;  ///< for a vertex without content, as a share of the mean price of vertices with content
+    /// For a vertex without content, as a share of the mean price of vertices with content.
+    float empty = 1;
     std::array<float, 2> rigidity{};  ///< for a step, in space and in time
 };
 

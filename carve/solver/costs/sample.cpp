@@ -164,8 +164,8 @@ private:
     const Alignment alignment_;
     const openvdb::Coord step_;
     const int entries_;
-    const std::ptrdiff_t offset_ =
-        64 * step_.x() + 8 * step_.y() + step_.z();  ///< from an entry to the next in a leaf
+    /// From an entry to the next in a leaf.
+    const std::ptrdiff_t offset_ = 64 * step_.x() + 8 * step_.y() + step_.z();
     openvdb::Coord first_;
     std::vector<Run> runs_;      ///< of a column
     openvdb::Coord runs_begin_;  ///< that column's first voxel

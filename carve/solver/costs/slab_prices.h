@@ -13,12 +13,12 @@ namespace fluidcarve {
 
 /// What slabs pay (METHOD 8 "Thick seams").
 struct SlabWeights {
-    float join =
-        1;  ///< of the difference between both sides of a slab, beside the energy that goes with it
+    /// Of the difference between both sides of a slab, beside the energy that goes with it.
+    float join = 1;
     std::optional<float> empty;  ///< price where nothing is seen on either side, in mean prices of
                                  ///< content; nothing: see SlabPrices::emptiness
-    std::array<float, 2>
-        rigidity{};  ///< cost of a step, in space and in time, in mean prices of content
+    /// Cost of a step, in space and in time, in mean prices of content.
+    std::array<float, 2> rigidity{};
 };
 
 /// Seams that are slabs of several vertices.
@@ -61,8 +61,8 @@ public:
     /// Prices of what is empty, from low to high. The first with which the content gives its share
     /// is taken.
     static constexpr std::array<float, 5> emptiness{1.3f, 1.8f, 2.5f, 3.5f, 5.0f};
-    static constexpr double enough =
-        0.9;  ///< of the share that even scaling would take from the content
+    /// Of the share that even scaling would take from the content.
+    static constexpr double enough = 0.9;
     /// By how much a slab changes the width of the content, as a share of what scaling a window
     /// evenly would do. The content of a column lies between its first and its last entry where
     /// something is seen.

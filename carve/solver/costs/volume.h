@@ -148,8 +148,8 @@ public:
     Met met(std::span<const std::uint16_t> at) const;
 
 private:
-    std::size_t attracted_at(
-        std::size_t place) const;  ///< number of summed frames that attract there
+    /// Number of summed frames that attract there.
+    std::size_t attracted_at(std::size_t place) const;
     /// Hands the energy of an entry on to those beside it.
     /// @param column  as in Seams::Seam::at
     void hand_on(std::size_t column, int entry, Window window);

@@ -74,9 +74,8 @@ struct Residual {
     std::vector<std::uint16_t> sides{};  ///< `[column]`: which neighbours it has in its region
     std::vector<Tag> tags{};
     std::vector<Arcs> arcs{};
-    std::vector<std::array<std::int32_t, Columns::directions>>
-        level{};  ///< residual capacities to the neighbours' nodes at the same height; empty if
-                  ///< steps are free
+    /// Residual capacities to the neighbours' nodes at the same height; empty if steps are free.
+    std::vector<std::array<std::int32_t, Columns::directions>> level{};
 };
 
 }  // namespace fluidcarve

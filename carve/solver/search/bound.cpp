@@ -286,8 +286,8 @@ private:
     const Sizes size_;
     const std::size_t frames_;  ///< in a block
     Messages& messages_;
-    std::array<std::vector<float>, 3>
-        fronts_;  ///< for each dimension, the messages to the columns that come next
+    /// For each dimension, the messages to the columns that come next.
+    std::array<std::vector<float>, 3> fronts_;
     std::vector<float> from_block_before_;  ///< messages to the block's first frame
 };
 

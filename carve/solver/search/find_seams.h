@@ -80,10 +80,10 @@ struct FoundSeams {
     std::vector<double> zero_share;      ///< per seam, share of its columns without energy, 0 to 1
     std::vector<std::size_t> attracted;  ///< per seam, number of attracted vertices that it takes
     std::vector<std::size_t> blocked;    ///< per seam, number of protected vertices that it passes
-    std::vector<std::size_t>
-        attracted_left;  ///< per seam, number of attracted vertices that are left after it
-    std::optional<NoSeam> no_more =
-        {};  ///< why there are fewer than asked for (Continued::best_effort)
+    /// Per seam, number of attracted vertices that are left after it.
+    std::vector<std::size_t> attracted_left;
+    /// Why there are fewer than asked for (Continued::best_effort)
+    std::optional<NoSeam> no_more = {};
 };
 
 /// The full size of an energy that is at half size along all dimensions of more than one vertex,
@@ -97,16 +97,16 @@ struct FullSize {
 struct Continued {
     std::vector<Seams::Seam> before;  ///< the set's first seams, as they were found
     StartFrom start_from;             ///< called with the last of them; null: the solver needs none
-    SeamBounds* bounds =
-        nullptr;  ///< of each new seam whose solver gives no lower bound; null: they get none
+    /// Of each new seam whose solver gives no lower bound; null: they get none.
+    SeamBounds* bounds = nullptr;
     /// Called with all seams found so far, after each new one.
     std::function<void(const FoundSeams& found)> found;
     /// Bytes that the search may hold besides energies and seams. Beyond, it uses files in
     /// `folder`.
     std::uint64_t memory_budget = ~std::uint64_t{0};
     std::string folder;
-    std::optional<FullSize>
-        full;  ///< if the energy is at half size; then there may be no seams `before`
+    /// If the energy is at half size; then there may be no seams `before`
+    std::optional<FullSize> full;
     std::optional<Thick> thick;  ///< nothing: each seam takes one entry
     bool best_effort = false;    ///< if protected vertices leave no way for the next seam, those
                                  ///< found are the result, and nothing is thrown

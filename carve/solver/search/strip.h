@@ -65,8 +65,8 @@ private:
     std::size_t width_;
     KeptMemory::Array<float> energies_;  ///< `[column][entry]` between two margins
     StepCosts steps_;
-    KeptMemory::Array<float>
-        fields_;  ///< likewise; of one entry more at either end; empty: steps have none
+    /// Likewise; of one entry more at either end; empty: steps have none.
+    KeptMemory::Array<float> fields_;
     bool protects_;
 };
 

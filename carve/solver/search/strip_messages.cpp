@@ -56,8 +56,8 @@ struct Pass {
     const Columns& columns;
     const Band::Column* band;  ///< `[column]`
     const float* energies;     ///< `[column][entry]`, `width` entries in a column
-    const float*
-        fields;  ///< `[column][entry]`, with one entry more before and behind those of the strip
+    /// `[column][entry]`, with one entry more before and behind those of the strip.
+    const float* fields;
     std::size_t width;
     float weight;                   ///< cost per unit by which the field changes across a new edge
     std::array<float, 3> rigidity;  ///< of a step along each dimension
@@ -116,8 +116,8 @@ struct Closing {
     bool is = false;
     bool ahead = false;  ///< whether the pass visits the other one later
     std::size_t other = 0;
-    std::size_t owner =
-        0;  ///< the column that the message between both belongs to: the ring's last
+    /// The column that the message between both belongs to: the ring's last.
+    std::size_t owner = 0;
 };
 
 /// @param at  the column's place in the ring, from its first on

@@ -98,8 +98,8 @@ private:
     std::vector<Ref<Lattice>> lattices_;
     int finest_ = 1;
     std::optional<EnergyVolume> energy_;  ///< of the whole lattice
-    std::vector<bool>
-        begun_;  ///< for each frame of the volume, whether it has the codes of a frame
+    /// For each frame of the volume, whether it has the codes of a frame.
+    std::vector<bool> begun_;
     SameVoxels transform_, field_transform_;
     MarkCounts marks_;
     bool forward_ = false;       ///< whether there is a field

@@ -49,6 +49,7 @@ SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int fines
     require_ends(params, *space.lattices().front());
     SeamTask out;
     out.axis = params.axis;
+    out.finest = finest;
     out.shape = space.shape();
     if (*std::min_element(out.shape.begin(), out.shape.end()) < 1)
         throw Failure(fmt::format("the seams of `after` leave nothing to carve: {} vertices",

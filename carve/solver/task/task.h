@@ -25,9 +25,10 @@ struct SeamTask {
     };
     Axis axis = Axis::u;
     std::array<int, 3> shape{};  ///< I, J, K of the space
+    int finest = 1;              ///< 2: seams are found at half size
     int asked = 0;               ///< number of seams in each part that the parameters want
-    int count =
-        0;  ///< of seams to find in each part; with `best_effort` no more than there is room for
+    /// Of seams to find in each part; with `best_effort` no more than there is room for.
+    int count = 0;
     std::string limit;  ///< of fewer than asked for: which window is too small
     Part seams;
     std::optional<Part> pairs;

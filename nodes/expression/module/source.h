@@ -28,8 +28,8 @@ public:
 
 private:
     mutable std::vector<std::string> messages_;
-    mutable openvdb::ax::Logger
-        logger_;  ///< the only source of places: it prints them at the end of a message
+    /// The only source of places: it prints them at the end of a message.
+    mutable openvdb::ax::Logger logger_;
     openvdb::ax::ast::Tree::ConstPtr tree_;
 };
 

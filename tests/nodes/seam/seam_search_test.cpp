@@ -1,10 +1,12 @@
 #include "carve/solver/seam_search.h"
 
 #include "nodes/seam.h"
+#include "tests/support/scratch.h"
 #include "tests/support/solver_bench.h"
 
 #include <catch2/catch.hpp>
 
+#include <filesystem>
 #include <random>
 
 using namespace fluidcarve;
@@ -29,14 +31,15 @@ std::vector<FloatGrid::Ptr> noise(unsigned seed) {
 
 /// What the node finds, and what the library finds by the same wish.
 std::pair<Ref<Seams>, Ref<Seams>> both(const std::string& yaml, const SolverParams& wish,
-                                       bool field, const MaskGrid::Ptr& protect = nullptr) {
+                                       bool field, const MaskGrid::Ptr& protect = nullptr,
+                                       const Limits& limits = {}) {
     const auto energies = noise(1), fields = noise(2);
     Grids grids;
     if (field) grids["field"].assign(fields.begin(), fields.end());
     if (protect) grids["protect"] = {protect};
     const auto solved =
         test::solve(seam_pyramid(), yaml, energies, {box(search_lattice)}, grids, search_frames);
-    SeamSearch search(wish, {5, 6, 7, 8});
+    SeamSearch search(wish, {5, 6, 7, 8}, limits);
     const auto lattice = std::make_shared<const Lattice>(box(search_lattice));
     for (std::size_t t = 0; t < search_frames; ++t)
         search.add(lattice, {*energies[t], field ? fields[t].get() : nullptr, protect.get()});
@@ -72,7 +75,22 @@ TEST_CASE("a search by the library finds the seams of seam.pyramid") {
     wish.count = {-2, false};
     wish.window = VertexRange{0, 9};
     wish.pair_window = VertexRange{14, 23};
-    check_equal(both("{axis: u, count: -2, window: [0, 9], pair_window: [14, 23]}", wish, false));
+    const std::string pairs = "{axis: u, count: -2, window: [0, 9], pair_window: [14, 23]}";
+    check_equal(both(pairs, wish, false));
+    // Energies and seams in files.
+    const Scratch scratch;
+    check_equal(both(pairs, wish, false, nullptr, {1, scratch / "work"}));
+    CHECK(std::filesystem::is_empty(scratch / "work"));
+    // A pair without its seam is none.
+    const auto wall = MaskGrid::create();
+    wall->denseFill(CoordBBox(Coord(1), Coord(9, 3, 2)), true, true);
+    wish.best_effort = true;
+    const auto few =
+        both("{axis: u, count: -2, window: [0, 9], pair_window: [14, 23], best_effort: true}", wish,
+             false, wall);
+    check_equal(few);
+    CHECK(few.second->seams.size() < 2);
+    CHECK(few.second->pairs.size() == few.second->seams.size());
 }
 
 TEST_CASE("a search by the library says why there is no seam, and can be stopped") {

@@ -14,8 +14,8 @@ namespace fluidcarve::test {
 
 /// A value of a .usda file.
 struct UsdaValue {
-    std::string
-        text;  ///< of a number, a text, <a path>, @a file@ or a word, without what encloses it
+    /// Of a number, a text, <a path>, @a file@ or a word, without what encloses it.
+    std::string text;
     std::vector<UsdaValue> items;                    ///< of (a, b) and [a, b]
     std::vector<std::pair<int, UsdaValue>> samples;  ///< of {1: a, 2: b}, in the order of the file
     std::map<std::string, UsdaValue> entries;        ///< of a dictionary, by type and name
@@ -45,10 +45,10 @@ inline UsdaValue::~UsdaValue() = default;
 struct UsdaPrim {
     std::string type, name;
     std::map<std::string, UsdaValue> metadata;  ///< by what stands before the `=`
-    std::map<std::string, UsdaValue>
-        properties;  ///< by type and name: "asset filePath.timeSamples"
-    std::map<std::string, std::map<std::string, UsdaValue>>
-        metadata_of_properties;  ///< by type and name
+    /// By type and name: "asset filePath.timeSamples".
+    std::map<std::string, UsdaValue> properties;
+    /// By type and name.
+    std::map<std::string, std::map<std::string, UsdaValue>> metadata_of_properties;
     std::vector<UsdaPrim> prims;
 
     const UsdaPrim& prim(const std::string& wanted) const {

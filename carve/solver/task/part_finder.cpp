@@ -1,0 +1,48 @@
+#include "carve/solver/task/part_finder.h"
+
+#include "carve/base/failure.h"
+#include "carve/solver/task/no_more.h"
+
+#include <utility>
+
+namespace fluidcarve {
+
+namespace {
+
+std::uint64_t bytes_of_seams(const SeamTask& task, const CarvedSpace& space) {
+    return static_cast<std::uint64_t>(task.count) * (task.pairs ? 2 : 1) *
+           columns_of(task, space).count() * sizeof(std::uint16_t);
+}
+
+}  // namespace
+
+PartFinder::PartFinder(EnergyVolume& energy, const SeamTask& task, const CarvedSpace& space,
+                       const FindSeam& find, Limits limits)
+    : energy_(energy),
+      task_(task),
+      space_(space),
+      find_(find),
+      limits_(std::move(limits)),
+      taken_(energy.bytes() + bytes_of_seams(task, space)),
+      fits_(taken_ <= limits_.memory) {}
+
+FoundSeams PartFinder::operator()(const SeamTask::Part& part, int count, const Tick& tick,
+                                  Continued search) const {
+    KeepSeam keep;
+    if (!fits_)
+        keep = [&](const SeamEntries& entries) {
+            return SeamEntries::in_file(entries, limits_.folder);
+        };
+    search.memory_budget = memory();
+    search.folder = limits_.folder;
+    if (task_.finest > 1)
+        search.full = FullSize{columns_of(task_, space_), task_.shape[dimension(task_.axis)]};
+    try {
+        return find_seams(energy_, part.kind, count, part.window, find_, tick, keep, part.static_,
+                          search);
+    } catch (const NoSeam& none) {
+        throw Failure(why_no_more(none, task_, part, space_));
+    }
+}
+
+}  // namespace fluidcarve

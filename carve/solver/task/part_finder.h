@@ -1,0 +1,41 @@
+#pragma once
+
+#include "carve/base/limits.h"
+#include "carve/solver/costs/volume.h"
+#include "carve/solver/search/find_seams.h"
+#include "carve/solver/task/space.h"
+#include "carve/solver/task/task.h"
+
+#include <cstdint>
+
+namespace fluidcarve {
+
+/// Finds the seams of a task, part by part. The energies, the seams of all parts and the search
+/// share the memory that the limits allow; seams that do not fit go to files.
+class PartFinder {
+public:
+    /// All but the limits must outlive it.
+    /// @param energy  used up
+    PartFinder(EnergyVolume& energy, const SeamTask& task, const CarvedSpace& space,
+               const FindSeam& find, Limits limits);
+
+    /// Bytes that a search may hold besides energies and seams.
+    std::uint64_t memory() const { return fits_ ? limits_.memory - taken_ : 0; }
+
+    /// @param count   of seams, including those that an earlier search found
+    /// @param search  how to go on; its memory, folder and full size are set here
+    /// @throws Failure saying how many seams are possible, and where the next finds no way
+    FoundSeams operator()(const SeamTask::Part& part, int count, const Tick& tick,
+                          Continued search) const;
+
+private:
+    EnergyVolume& energy_;
+    const SeamTask& task_;
+    const CarvedSpace& space_;
+    const FindSeam& find_;
+    const Limits limits_;
+    const std::uint64_t taken_;  ///< bytes of energies and seams
+    const bool fits_;
+};
+
+}  // namespace fluidcarve
