@@ -124,6 +124,8 @@ Registry builtin_registry() {
     out.add(time_carve());
     out.add(time_loop());
     out.add(time_retime());
+    out.add(time_retime_mesh());
+    out.add(time_retime_points());
     out.add(usd_write());
     return out;
 }

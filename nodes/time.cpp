@@ -122,6 +122,7 @@ NodeType time_carve() {
                 "The same grids. All but the places that just change are bit for bit those of a "
                 "frame of the source. Whole numbers, masks and points change at one moment.")
         .names_as("volume", "source")
+        .version(2)
         .kept();
 }
 
@@ -349,6 +350,7 @@ NodeType time_loop() {
                 "The same grids. Frames before the fade stay bit for bit. Whole numbers, masks and "
                 "points are those of the nearer side.")
         .names_as("volume", "source")
+        .version(2)
         .kept();
 }
 

@@ -9,5 +9,7 @@ namespace fluidcarve {
 NodeType time_carve();
 NodeType time_loop();
 NodeType time_retime();
+NodeType time_retime_mesh();
+NodeType time_retime_points();
 
 }  // namespace fluidcarve

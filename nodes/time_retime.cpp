@@ -1,17 +1,24 @@
 #include "nodes/time.h"
-#include "carve/time/between.h"
-#include "carve/time/pace.h"
-#include "carve/time/sequence.h"
-#include "carve/time/thumbnails.h"
-#include "carve/time/time_surface.h"
-#include "graph/types/node_type.h"
 
-#include <fmt/format.h>
+#include "carve/points/point_vectors.h"
+#include "carve/stream/mesh_stream.h"
+#include "carve/stream/points_stream.h"
+#include "carve/time/between.h"
+#include "carve/time/frame_list.h"
+#include "carve/time/mesh_between.h"
+#include "carve/time/pace.h"
+#include "carve/time/points_between.h"
+#include "carve/time/scale_search.h"
+#include "carve/time/sequence.h"
+#include "graph/types/node_type.h"
+#include "nodes/params/pace_params.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
+#include <cstddef>
+#include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace fluidcarve {
 
@@ -30,24 +37,7 @@ public:
     };
 
     static void check(const Params& params, NodeCheck& check) {
-        const int stated = int(params.speed.has_value()) + int(params.count.has_value()) +
-                           int(!params.curve.empty());
-        if (stated == 0) check.fault("type", "needs a 'speed', a number of 'frames', or a 'curve'");
-        if (stated > 1)
-            check.fault("type", "takes one of 'speed', 'frames' and 'curve', not several");
-        if (params.speed && *params.speed == 0)
-            check.fault(
-                "speed",
-                "'speed' must not be 0; to hold a frame, state a curve such as [[1, 7], [24, 7]]");
-        if (params.start && !params.curve.empty())
-            check.fault("start", "a curve says itself which frame is the first; leave 'start' out");
-        for (std::size_t n = 0; n < params.curve.size(); ++n)
-            if (params.curve[n].size() != 2)
-                return check.fault("curve", "a point of 'curve' is [frame, frame of the source]");
-            else if (n > 0 && params.curve[n][0] <= params.curve[n - 1][0])
-                return check.fault(
-                    "curve", fmt::format("the frames of 'curve' must rise, but {:g} follows {:g}",
-                                         params.curve[n][0], params.curve[n - 1][0]));
+        check_pace(params, check);
         if (check.connections("velocity") == 0)
             check.warn("velocity",
                        "without a 'velocity', frames between those of the source are found by what "
@@ -111,36 +101,14 @@ private:
             }
         }
         if (pairs.empty() || speed == 0) return 0;
-        const auto error = [&](double voxels) {
-            context.check_cancelled();
-            double out = 0;
-            for (const auto& [a, b, frames] : pairs)
-                out += mismatch(a, b, frames * voxels / speed, context.memory_budget());
-            return out;
-        };
-        // By the typical motion in voxels: first roughly, then by golden section.
-        double best = 0, least = error(0);
-        constexpr double finest = 0.05, farthest = 8, step = 1.5;
-        for (double voxels = finest; voxels < farthest; voxels *= step)
-            if (const double here = error(voxels); here < least) {
-                least = here;
-                best = voxels;
-            }
-        if (best == 0) return 0;
-        const double golden = (std::sqrt(5.0) - 1) / 2;
-        double low = best / step, high = best * step;
-        double x = high - golden * (high - low), y = low + golden * (high - low), at_x = error(x),
-               at_y = error(y);
-        while (high - low > 0.02 * best) {
-            const bool lower = at_x < at_y;
-            (lower ? high : low) = lower ? y : x;
-            (lower ? y : x) = lower ? x : y;
-            (lower ? at_y : at_x) = lower ? at_x : at_y;
-            auto& fresh = lower ? x : y;
-            fresh = lower ? high - golden * (high - low) : low + golden * (high - low);
-            (lower ? at_x : at_y) = error(fresh);
-        }
-        return (low + high) / 2 / speed;
+        return least_error_at([&](double voxels) {
+                   context.check_cancelled();
+                   double out = 0;
+                   for (const auto& [a, b, frames] : pairs)
+                       out += mismatch(a, b, frames * voxels / speed, context.memory_budget());
+                   return out;
+               }) /
+               speed;
     }
 
     /// From a frame of the source to the next.
@@ -157,24 +125,16 @@ private:
 
 NodeType time_retime() {
     using Params = Retime::Params;
-    return Declare<Retime>("time.retime",
-                           "The same sequence, faster, slower, backwards, held, or along a curve. "
-                           "Frames between those of the source are moved there from both of their "
-                           "neighbours. What follows this node has the new frames.")
-        .input("source", &Retime::Ports::source, "The grids, or one grid.")
-        .input("velocity", &Retime::Ports::velocity,
-               "Velocity, staggered or not. It says where things move, and is itself scaled by the "
-               "speed. Left out, motion is found by what is seen alone.")
-        .param("speed", &PaceWish::speed, Unit::none, between(-1000, 1000),
-               "Frames of the source per frame: 0.5 is half as fast and twice as long; -1 runs "
-               "backwards.")
-        .param("frames", &PaceWish::count, Unit::frames, between(1, 1e6),
-               "Number of frames that show the whole source, instead of `speed`.")
-        .param("curve", &PaceWish::curve,
-               "Points [frame, frame of the source], instead of `speed`: [[1001, 1001], [1012, "
-               "1024], [1036, 1024]] runs twice as fast, then holds. Linear between.")
-        .param("start", &PaceWish::start, Unit::frames, any_number(),
-               "Number of the first frame. auto is that of the source.")
+    return declare_pace(Declare<Retime>(
+                            "time.retime",
+                            "The same sequence, faster, slower, backwards, held, or along a curve. "
+                            "Frames between those of the source are moved there from both of their "
+                            "neighbours. What follows this node has the new frames.")
+                            .input("source", &Retime::Ports::source, "The grids, or one grid.")
+                            .input("velocity", &Retime::Ports::velocity,
+                                   "Velocity, staggered or not. It says where things move, and is "
+                                   "itself scaled by the "
+                                   "speed. Left out, motion is found by what is seen alone."))
         .param(
             "scale", &Params::scale, Unit::none, any_number(),
             "How far a velocity of 1 moves from one frame to the next, world units: 1/24 for world "
@@ -185,8 +145,177 @@ NodeType time_retime() {
             "volume", &Retime::Ports::volume,
             "The same grids. Frames of the source stay bit for bit, but for a velocity whose time "
             "goes faster or slower. Sums of floats between frames lie between theirs; level sets "
-            "are distances; whole numbers, masks and points are those of the nearer frame.")
+            "are means of distances; whole numbers, masks and points are those of the nearer "
+            "frame, see time.retime_points.")
         .names_as("volume", "source")
+        .version(2)
+        .kept();
+}
+
+namespace {
+
+/// All frames of a sequence, and its pace.
+template <class T>
+class Gathered {
+public:
+    void add(const Ref<T>& frame, Context& context) {
+        if (!frames_) frames_.emplace(context.limits());
+        frames_->add(frame);
+        numbers_.push_back(context.frame());
+    }
+    void finish(const PaceWish& wish) { pace_.emplace(wish, numbers_); }
+
+    std::size_t size() const { return numbers_.size(); }
+    Ref<T> at(std::size_t place) const { return frames_->at(place); }
+    Moment moment(int frame) const { return pace_->moment(frame); }
+    /// From a frame of the source to the next.
+    int frames_behind(std::size_t place) const { return numbers_[place + 1] - numbers_[place]; }
+
+private:
+    std::optional<FrameList<T>> frames_;
+    std::vector<int> numbers_;
+    std::optional<Pace> pace_;
+};
+
+class RetimePoints {
+public:
+    struct Params : PaceWish {
+        Auto<double> scale;
+    };
+    struct Ports {
+        Ref<Points> source;
+        Ref<Points> points;
+    };
+
+    static void check(const Params& params, NodeCheck& check) { check_pace(params, check); }
+    static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) {
+        return Pace(params, frames).frames();
+    }
+
+    void add(const Params&, const Ports& io, Context& context) { source_.add(io.source, context); }
+
+    void finish(const Params& params, Ports&, Context& context) {
+        source_.finish(params);
+        const auto first = source_.at(0);
+        motion_.velocity = velocity_name(*first);
+        if (motion_.velocity.empty()) {
+            if (!first->has_ids())
+                context.warn(
+                    "the points have neither a whole number `id` nor a velocity, so that "
+                    "nothing says where they move to: between frames of the source they "
+                    "stand still");
+            return;
+        }
+        motion_.scale = params.scale ? *params.scale : found_scale(context);
+        context.report("retime", {{"velocity", motion_.velocity}, {"scale", motion_.scale}});
+    }
+
+    void run(const Params&, Ports& io, Context& context) const {
+        const auto moment = source_.moment(context.frame());
+        io.points = source_.at(moment.place);
+        if (moment.share > 0) {
+            auto motion = motion_;
+            motion.scale *= source_.frames_behind(moment.place);
+            io.points = std::make_shared<Points>(
+                points_between(*io.points, *source_.at(moment.place + 1), moment.share, motion));
+        }
+        if (motion_.velocity.empty() || moment.rate == 1) return;
+        auto velocities = vectors_of(*io.points, motion_.velocity);
+        for (auto& velocity : velocities) velocity *= moment.rate;
+        if (!velocities.empty())
+            io.points =
+                std::make_shared<Points>(with_vectors(*io.points, motion_.velocity, velocities));
+    }
+
+private:
+    /// The middle one of those that three pairs of frames find.
+    double found_scale(Context& context) const {
+        std::vector<double> found;
+        constexpr std::size_t most_pairs = 3;
+        const auto gaps = source_.size() - 1, count = std::min(most_pairs, gaps);
+        for (std::size_t n = 0; n < count; ++n) {
+            context.check_cancelled();
+            const auto place = (2 * n + 1) * gaps / (2 * count);
+            found.push_back(
+                point_scale(*source_.at(place), *source_.at(place + 1), motion_.velocity) /
+                source_.frames_behind(place));
+        }
+        std::ranges::sort(found);
+        return found.empty() ? 0 : found[found.size() / 2];
+    }
+
+    Gathered<Points> source_;
+    PointMotion motion_;
+};
+
+class RetimeMesh {
+public:
+    struct Params : PaceWish {};
+    struct Ports {
+        Ref<Mesh> source;
+        Ref<Mesh> mesh;
+    };
+
+    static void check(const Params& params, NodeCheck& check) { check_pace(params, check); }
+    static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) {
+        return Pace(params, frames).frames();
+    }
+
+    void add(const Params&, const Ports& io, Context& context) { source_.add(io.source, context); }
+    void finish(const Params& params, Ports&, Context&) { source_.finish(params); }
+
+    void run(const Params&, Ports& io, Context& context) const {
+        const auto moment = source_.moment(context.frame());
+        io.mesh = source_.at(moment.place);
+        if (moment.share == 0) return;
+        const auto next = source_.at(moment.place + 1);
+        if (same_faces(*io.mesh, *next)) {
+            io.mesh = std::make_shared<Mesh>(mesh_between(*io.mesh, *next, moment.share));
+            return;
+        }
+        context.warn(
+            "the faces of the mesh change, so that nothing says where its vertices move "
+            "to: between frames of the source it is that of the nearer one");
+        if (moment.share >= 0.5) io.mesh = next;
+    }
+
+private:
+    Gathered<Mesh> source_;
+};
+
+}  // namespace
+
+NodeType time_retime_points() {
+    using Params = RetimePoints::Params;
+    return declare_pace(
+               Declare<RetimePoints>(
+                   "time.retime_points",
+                   "The same particles at another pace: time.retime for points. What follows this "
+                   "node has the new frames.")
+                   .input("source", &RetimePoints::Ports::source, "The particles."))
+        .param("scale", &Params::scale, Unit::none, any_number(),
+               "How far a velocity of 1 moves from one frame to the next, world units: 1/24 for "
+               "world units per second at 24 frames. auto finds it in the sequence; the report "
+               "tells it.")
+        .output("points", &RetimePoints::Ports::points,
+                "The particles, with all attributes. Frames of the source stay bit for bit, but "
+                "for a velocity whose time goes faster or slower. Between them, particles with a "
+                "whole number `id` go from place to place along their velocities; those that "
+                "only one frame has appear or vanish one by one. Without ids, the particles are "
+                "those of the nearer frame, moved along their velocities.")
+        .kept();
+}
+
+NodeType time_retime_mesh() {
+    return declare_pace(
+               Declare<RetimeMesh>("time.retime_mesh",
+                                   "The same mesh at another pace: time.retime for meshes. What "
+                                   "follows this node has the new frames.")
+                   .input("source", &RetimeMesh::Ports::source, "The mesh."))
+        .output("mesh", &RetimeMesh::Ports::mesh,
+                "The mesh. Frames of the source stay bit for bit. Between them, vertices and "
+                "attributes of floats move straight from frame to frame if the faces are the "
+                "same; else the mesh is that of the nearer frame.")
         .kept();
 }
 

@@ -34,7 +34,8 @@ struct Leaves {
     std::vector<const Leaf*> all;
     std::vector<std::size_t> first{0};
 
-    explicit Leaves(const openvdb::GridBase& grid) {
+    explicit Leaves(const openvdb::GridBase& grid) { add(grid); }
+    void add(const openvdb::GridBase& grid) {
         for (auto leaf = of(grid).tree().cbeginLeaf(); leaf; ++leaf) {
             all.push_back(&*leaf);
             first.push_back(first.back() + leaf->pointCount());
@@ -272,9 +273,24 @@ std::vector<std::uint64_t> point_identities(const openvdb::GridBase& grid) {
     return out;
 }
 
+bool has_point_ids(const openvdb::GridBase& grid) {
+    const auto leaf = of(grid).tree().cbeginLeaf();
+    const auto* const ids = leaf ? leaf->attributeSet().getConst("id") : nullptr;
+    return ids && ids->stride() == 1 &&
+           (ids->valueType() == openvdb::typeNameAsString<std::int32_t>() ||
+            ids->valueType() == openvdb::typeNameAsString<std::int64_t>());
+}
+
+bool alike(const openvdb::GridBase& a, const openvdb::GridBase& b) {
+    const auto x = of(a).tree().cbeginLeaf(), y = of(b).tree().cbeginLeaf();
+    return !x || !y || x->attributeSet().descriptor() == y->attributeSet().descriptor();
+}
+
 openvdb::GridBase::ConstPtr with_images(const openvdb::GridBase& grid,
-                                        const std::vector<PointImage>& images) {
-    const Leaves leaves(grid);
+                                        const std::vector<PointImage>& images,
+                                        const openvdb::GridBase* more) {
+    Leaves leaves(grid);
+    if (more) leaves.add(*more);
     auto gathered = gather(grid, leaves, images);
     std::vector<std::unique_ptr<Leaf>> made_leaves(gathered.size());
     const AttributeArray::ScopedRegistryLock lock;

@@ -26,9 +26,15 @@ std::vector<openvdb::Vec3d> point_positions(const openvdb::GridBase& grid);
 /// See Points::identities.
 std::vector<std::uint64_t> point_identities(const openvdb::GridBase& grid);
 
+/// See Points::has_ids.
+bool has_point_ids(const openvdb::GridBase& grid);
+
 /// The same as with_images of Points. Leaves without changes share their data.
 openvdb::GridBase::ConstPtr with_images(const openvdb::GridBase& grid,
-                                        const std::vector<PointImage>& images);
+                                        const std::vector<PointImage>& images,
+                                        const openvdb::GridBase* more = nullptr);
+/// The same as alike() of Points.
+bool alike(const openvdb::GridBase& a, const openvdb::GridBase& b);
 
 /// Converts PLY vertices to a grid `points` in the same space. Its origin is at the centre of the
 /// points, with about eight points per voxel of their bounding box. Positions become floats within

@@ -2,6 +2,7 @@
 
 #include "carve/points/point_grid.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <string_view>
@@ -50,21 +51,38 @@ std::vector<std::uint64_t> Points::identities() const {
     return out;
 }
 
-Points with_images(const Points& source, const std::vector<PointImage>& images) {
+bool Points::has_ids() const {
+    if (grid) return has_point_ids(*grid);
+    const auto* const ids = ply->column("id");
+    return ids && is_whole(ids->type);
+}
+
+bool alike(const Points& a, const Points& b) {
+    if (a.grid) return b.grid && alike(*a.grid, *b.grid);
+    return b.ply && std::ranges::equal(a.ply->columns, b.ply->columns, [](auto& x, auto& y) {
+               return x.name == y.name && x.type == y.type;
+           });
+}
+
+Points with_images(const Points& source, const std::vector<PointImage>& images,
+                   const Points* more) {
     auto out = source;
     if (source.grid) {
-        out.grid = with_images(*source.grid, images);
+        out.grid = with_images(*source.grid, images, more ? more->grid.get() : nullptr);
         return out;
     }
+    const auto count = source.ply->size;
     auto ply = std::make_shared<PointTable>(*source.ply);
     ply->size = images.size();
     for (std::size_t c = 0; c < ply->columns.size(); ++c) {
-        const auto& from = source.ply->columns[c].values;
         const auto size = static_cast<std::ptrdiff_t>(size_of(ply->columns[c].type));
         auto& to = ply->columns[c].values;
         to.clear();
         for (const auto& image : images) {
-            const auto begin = from.begin() + size * static_cast<std::ptrdiff_t>(image.source);
+            const bool first = image.source < count;
+            const auto& from = (first ? source : *more).ply->columns[c].values;
+            const auto begin = from.begin() + size * static_cast<std::ptrdiff_t>(
+                                                         image.source - (first ? 0 : count));
             to.insert(to.end(), begin, begin + size);
         }
     }

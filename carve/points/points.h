@@ -30,11 +30,19 @@ struct Points {
     /// A number per point that does not depend on other points: its attribute `id` if that is an
     /// integer (the same in all frames), else a hash of its position.
     std::vector<std::uint64_t> identities() const;
+    /// Whether there is an attribute `id` that is an integer.
+    bool has_ids() const;
 };
 
 /// A point set made of points of the source. Attributes, groups and text tables are kept.
 /// @param images  the points of the result, sorted by source; source points without an image are
 ///   removed
-Points with_images(const Points& source, const std::vector<PointImage>& images);
+/// @param more    points alike(source, more), all of which that have an image are moved; they count
+///   on from those of the source
+Points with_images(const Points& source, const std::vector<PointImage>& images,
+                   const Points* more = nullptr);
+
+/// Whether the points of two sets have the same attributes, so that one set can hold both.
+bool alike(const Points& a, const Points& b);
 
 }  // namespace fluidcarve

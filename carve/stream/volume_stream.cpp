@@ -38,7 +38,7 @@ Plane read_plane(BinaryReader& in) {
 
 }  // namespace
 
-std::uint64_t bytes_of(const Volume& volume) {
+std::uint64_t Stored<Volume>::bytes(const Volume& volume) {
     std::set<const openvdb::TreeBase*> trees;
     std::uint64_t out = 0;
     for (const auto& grid : volume.grids)
@@ -46,7 +46,7 @@ std::uint64_t bytes_of(const Volume& volume) {
     return out;
 }
 
-void write_volume(const Volume& volume, std::ostream& to) {
+void Stored<Volume>::write(const Volume& volume, std::ostream& to) {
     BinaryWriter out(to);
     out.value(std::uint64_t{volume.grids.size()});
     GridWriter grids(to);
@@ -59,7 +59,7 @@ void write_volume(const Volume& volume, std::ostream& to) {
     out.text(volume.codec);
 }
 
-Ref<Volume> read_volume(std::istream& from) {
+Ref<Volume> Stored<Volume>::read(std::istream& from) {
     BinaryReader in(from);
     const auto out = std::make_shared<Volume>();
     GridReader grids(from);

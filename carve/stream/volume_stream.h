@@ -1,20 +1,16 @@
 #pragma once
 
-#include "carve/base/values.h"
+#include "carve/stream/stored.h"
 #include "carve/volume/volume.h"
-
-#include <cstdint>
-#include <istream>
-#include <ostream>
 
 namespace fluidcarve {
 
-/// Bytes of memory of a volume. Trees shared by several grids count once.
-std::uint64_t bytes_of(const Volume& volume);
-
-/// Writes a volume bit for bit as in memory (GridWriter).
-void write_volume(const Volume& volume, std::ostream& to);
-/// Reads what write_volume() wrote. @throws Failure if the stream holds no whole volume
-Ref<Volume> read_volume(std::istream& from);
+/// Trees shared by several grids count once.
+template <>
+struct Stored<Volume> {
+    static std::uint64_t bytes(const Volume& volume);
+    static void write(const Volume& volume, std::ostream& to);
+    static Ref<Volume> read(std::istream& from);
+};
 
 }  // namespace fluidcarve

@@ -2,17 +2,20 @@
 
 #include "carve/time/advect.h"
 
+#include <openvdb/tools/Activate.h>
 #include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/Composite.h>
 #include <openvdb/tools/GridTransformer.h>
 #include <openvdb/tools/Interpolation.h>
-#include <openvdb/tools/LevelSetTracker.h>
 #include <openvdb/tools/Prune.h>
 #include <openvdb/tools/ValueTransformer.h>
 #include <openvdb/tree/LeafManager.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <tuple>
 #include <type_traits>
@@ -46,11 +49,18 @@ double sum_of(const FloatGrid& grid) {
     return out;
 }
 
-void renormalize(FloatGrid& grid) {
-    openvdb::tools::LevelSetTracker<FloatGrid> tracker(grid);
-    tracker.setNormCount(3);
-    tracker.normalize();
-    tracker.prune();
+/// Ends the narrow band of a level set where its distances do.
+void trim(FloatGrid& grid) {
+    const float background = grid.background();
+    openvdb::tree::LeafManager<FloatGrid::TreeType>(grid.tree())
+        .foreach ([&](auto& leaf, std::size_t) {
+            for (auto value = leaf.beginValueOn(); value; ++value)
+                if (std::abs(*value) >= background) {
+                    value.setValue(std::copysign(background, *value));
+                    value.setValueOff();
+                }
+        });
+    openvdb::tools::pruneLevelSet(grid.tree());
 }
 
 /// A float or vector grid between two of its frames, of which one may be null: then the other
@@ -77,7 +87,8 @@ typename GridT::ConstPtr grid_between(const GridT* a, const GridT* b, double sha
         else out = part;
     }
     if constexpr (std::is_same_v<GridT, FloatGrid>) {
-        if (level_set) return renormalize(*out), out;
+        // A mean of distances is nearly one. Distances made anew would move the surface.
+        if (level_set) return trim(*out), out;
         // Motion that converges or diverges would make the mass pulsate from frame to frame.
         const double wanted = (a ? (1 - share) * sum_of(*a) : 0) + (b ? share * sum_of(*b) : 0),
                      by = wanted / sum_of(*out);
@@ -121,35 +132,96 @@ typename GridT::ConstPtr grid_mixed(const GridT* a, const GridT* b,
         }
     });
     if constexpr (std::is_same_v<GridT, FloatGrid>)
-        if (first.getGridClass() == openvdb::GRID_LEVEL_SET) return renormalize(*out), out;
+        if (first.getGridClass() == openvdb::GRID_LEVEL_SET) return trim(*out), out;
     openvdb::tools::deactivate(out->tree(), out->background());
     openvdb::tools::pruneInactive(out->tree());
     return out;
 }
 
+/// A picture's channel, made pixel by pixel. @param value  by x and y
+template <class Value>
+Plane picture(const openvdb::CoordBBox& box, const Value& value) {
+    const auto width = box.dim().x();
+    const auto values = std::make_shared<std::vector<float>>(box.volume());
+    tbb::parallel_for(0, box.dim().y(), [&](int row) {
+        for (int column = 0; column < width; ++column)
+            (*values)[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+                      static_cast<std::size_t>(column)] =
+                value(box.min().x() + column, box.min().y() + row);
+    });
+    return {box, box, std::shared_ptr<const float>(values, values->data()), 1, width};
+}
+
+/// A pixel between pixels: bilinear, held beyond the rim. Where one is not finite, the nearest.
+float sample(const Plane& plane, double x, double y) {
+    const auto &low = plane.box.min(), &high = plane.box.max();
+    x = std::clamp(x, double(low.x()), double(high.x()));
+    y = std::clamp(y, double(low.y()), double(high.y()));
+    const int left = static_cast<int>(std::floor(x)), down = static_cast<int>(std::floor(y)),
+              right = std::min(left + 1, high.x()), up = std::min(down + 1, high.y());
+    const auto across = static_cast<float>(x - left), along = static_cast<float>(y - down);
+    const auto line = [&](int row) {
+        return (1 - across) * plane.at(left, row) + across * plane.at(right, row);
+    };
+    const float out = (1 - along) * line(down) + along * line(up);
+    return std::isfinite(out) ? out
+                              : plane.at(across < 0.5f ? left : right, along < 0.5f ? down : up);
+}
+
+/// A picture's channel between two frames, as grid_between(); but what lies beyond the rim is what
+/// lies there.
+Plane picture_between(const Plane& a, const Plane& b, double share, const VectorGrid* motion,
+                      const openvdb::math::Transform& transform) {
+    const double voxel = transform.voxelSize().x();
+    const int z = a.box.min().z();
+    return picture(a.box, [&](int x, int y) {
+        const auto way = [&](double at_x, double at_y) {
+            return motion ? openvdb::Vec3d(openvdb::tools::BoxSampler::sample(
+                                motion->constTree(), openvdb::Vec3d(at_x, at_y, z))) /
+                                voxel
+                          : openvdb::Vec3d(0);
+        };
+        const auto at = [&](const Plane& plane, double time) {
+            const auto first = way(x, y),
+                       middle = way(x - 0.5 * time * first.x(), y - 0.5 * time * first.y());
+            return sample(plane, x - time * middle.x(), y - time * middle.y());
+        };
+        const float before = at(a, share), after = at(b, share - 1);
+        const auto out = static_cast<float>((1 - share) * before + share * after);
+        return std::isfinite(out) ? out : share < 0.5 ? before : after;
+    });
+}
+
 /// The grids of one of two volumes, the floats and vectors among them mixed of both.
-/// @param mix  makes a grid of two of one type, of which one may be null
-template <class Mix>
-Volume paired(const Volume& a, const Volume& b, const Volume& nearer, const Mix& mix) {
+/// @param mix      makes a grid of two of one type, of which one may be null
+/// @param picture  makes a picture's channel of two
+template <class Mix, class Picture>
+Volume paired(const Volume& a, const Volume& b, const Volume& nearer, const Mix& mix,
+              const Picture& picture) {
     const auto first = a.unique_names(), second = b.unique_names(), names = nearer.unique_names();
     const auto in = [](const Volume& volume, const std::vector<std::string>& all,
                        const std::string& name) {
         const auto found = std::ranges::find(all, name);
-        return found == all.end()
-                   ? openvdb::GridBase::ConstPtr()
-                   : volume.grids[static_cast<std::size_t>(found - all.begin())].grid();
+        return found == all.end() ? VolumeGrid()
+                                  : volume.grids[static_cast<std::size_t>(found - all.begin())];
     };
     auto out = nearer;
     for (std::size_t n = 0; n < out.grids.size(); ++n) {
+        auto& held = out.grids[n];
         const auto before = in(a, first, names[n]), after = in(b, second, names[n]);
         const auto mixed = [&]<class GridT>(const GridT*) {
-            const auto old = openvdb::gridConstPtrCast<GridT>(before),
-                       now = openvdb::gridConstPtrCast<GridT>(after);
-            out.grids[n] = out.grids[n].holding(mix(old.get(), now.get()));
+            const auto old = before ? openvdb::gridConstPtrCast<GridT>(before.grid()) : nullptr,
+                       now = after ? openvdb::gridConstPtrCast<GridT>(after.grid()) : nullptr;
+            held = held.holding(mix(old.get(), now.get()));
         };
-        if (out.grids[n].header().isType<FloatGrid>())
-            mixed(static_cast<const FloatGrid*>(nullptr));
-        else if (out.grids[n].header().isType<VectorGrid>())
+        if (held.header().isType<FloatGrid>()) {
+            if (before && after && before.plane() && after.plane() &&
+                before.plane()->box == after.plane()->box)
+                held =
+                    VolumeGrid(held.header().copyGridWithNewTree(),
+                               picture(*before.plane(), *after.plane(), held.header().transform()));
+            else mixed(static_cast<const FloatGrid*>(nullptr));
+        } else if (held.header().isType<VectorGrid>())
             mixed(static_cast<const VectorGrid*>(nullptr));
     }
     return out;
@@ -159,16 +231,31 @@ Volume paired(const Volume& a, const Volume& b, const Volume& nearer, const Mix&
 
 Volume volume_between(const Volume& a, const Volume& b, double share, const VectorGrid* motion,
                       Transport transport) {
-    return paired(a, b, share < 0.5 ? a : b, [&](const auto* old, const auto* now) {
-        return grid_between(old, now, share, motion, transport);
-    });
+    return paired(
+        a, b, share < 0.5 ? a : b,
+        [&](const auto* old, const auto* now) {
+            return grid_between(old, now, share, motion, transport);
+        },
+        [&](const Plane& old, const Plane& now, const openvdb::math::Transform& place) {
+            return picture_between(old, now, share, motion, place);
+        });
 }
 
 Volume volume_mixed(const Volume& a, const Volume& b,
                     const std::function<double(const openvdb::Vec3d&)>& share,
                     const Volume& nearer) {
-    return paired(a, b, nearer,
-                  [&](const auto* old, const auto* now) { return grid_mixed(old, now, share); });
+    return paired(
+        a, b, nearer, [&](const auto* old, const auto* now) { return grid_mixed(old, now, share); },
+        [&](const Plane& old, const Plane& now, const openvdb::math::Transform& place) {
+            const int z = old.box.min().z();
+            return picture(old.box, [&](int x, int y) {
+                const auto part =
+                    static_cast<float>(share(place.indexToWorld(openvdb::Coord(x, y, z))));
+                const float before = old.at(x, y), after = now.at(x, y);
+                if (part == 0 || before == after) return before;
+                return part == 1 ? after : before * (1 - part) + after * part;
+            });
+        });
 }
 
 Volume scaled(const Volume& volume, const std::string& name, double by) {

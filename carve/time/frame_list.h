@@ -1,45 +1,53 @@
 #pragma once
 
+#include "carve/base/limits.h"
 #include "carve/base/values.h"
-#include "carve/volume/volume.h"
+#include "carve/stream/stored.h"
+#include "carve/time/spill_file.h"
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
+#include <sstream>
 #include <utility>
 #include <vector>
 
 namespace fluidcarve {
 
-/// Volumes of many frames: in memory as far as a budget allows, else in a file of the work folder
-/// that has no name, so that nothing is left of it.
-class VolumeStore {
+/// What all frames of a sequence hold, such as volumes: in memory as far as a budget allows, else
+/// in a file of the work folder that has no name, so that nothing is left of it.
+template <class T>
+class FrameList {
 public:
-    /// @param memory_budget  bytes
-    /// @param folder         for the file; created if missing
-    VolumeStore(std::uint64_t memory_budget, std::string folder)
-        : budget_(memory_budget), folder_(std::move(folder)) {}
-    ~VolumeStore();
-    VolumeStore(const VolumeStore&) = delete;
-    VolumeStore& operator=(const VolumeStore&) = delete;
+    explicit FrameList(const Limits& limits) : budget_(limits.memory), file_(limits.folder) {}
 
     std::size_t size() const { return entries_.size(); }
     /// @throws Failure if neither memory nor disk can hold it
-    void add(const Ref<Volume>& volume);
+    void add(const Ref<T>& frame) {
+        if (const auto bytes = Stored<T>::bytes(*frame); held_ + bytes <= budget_) {
+            held_ += bytes;
+            entries_.push_back({frame, {}});
+            return;
+        }
+        std::ostringstream stream;
+        Stored<T>::write(*frame, stream);
+        entries_.push_back({nullptr, file_.add(std::move(stream).str())});
+    }
     /// Bit for bit what was added. May be called from many threads at once.
-    Ref<Volume> at(std::size_t n) const;
+    Ref<T> at(std::size_t n) const {
+        const auto& [held, place] = entries_.at(n);
+        if (held) return held;
+        std::istringstream stream(file_.at(place));
+        return Stored<T>::read(stream);
+    }
 
 private:
     struct Entry {
-        Ref<Volume> held;                  ///< null: it is in the file
-        std::int64_t begin = 0, size = 0;  ///< bytes in the file
+        Ref<T> held;  ///< null: it is in the file
+        SpillFile::Place place;
     };
 
-    std::uint64_t budget_;
-    std::string folder_;
-    std::uint64_t held_ = 0;  ///< bytes
-    std::int64_t end_ = 0;    ///< of the file
-    int file_ = -1;
+    std::uint64_t budget_, held_ = 0;  ///< bytes
+    SpillFile file_;
     std::vector<Entry> entries_;
 };
 

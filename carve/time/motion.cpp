@@ -257,7 +257,8 @@ private:
         out.expand(active_box(*b.shown));
         if (out.empty()) out = CoordBBox(Coord(0), Coord(0));
         require_near(a.shown->getName(), out);
-        out = padded(out, margin);
+        // What lies beyond a picture's rim is what lies there.
+        if (out.dim().z() > 1) out = padded(out, margin);
         constexpr double bytes = 24 * sizeof(float);
         if (!grid_fits(bytes * static_cast<double>(voxels_in(out)), memory_budget))
             throw Failure(fmt::format(

@@ -2,8 +2,9 @@
 
 #include "carve/base/limits.h"
 #include "carve/base/values.h"
+#include "carve/stream/volume_stream.h"
+#include "carve/time/frame_list.h"
 #include "carve/time/motion.h"
-#include "carve/time/volume_store.h"
 #include "carve/volume/volume.h"
 
 #include <cstddef>
@@ -36,7 +37,7 @@ public:
     SequenceFrame at(std::size_t place) const;
 
 private:
-    std::optional<VolumeStore> store_;
+    std::optional<FrameList<Volume>> frames_;
     std::vector<int> numbers_;
     openvdb::CoordBBox box_;
     bool has_velocity_ = false;

@@ -1,9 +1,7 @@
-#include "carve/time/volume_store.h"
+#include "carve/time/spill_file.h"
 
 #include "carve/base/failure.h"
 #include "carve/base/scratch_file.h"
-#include "carve/base/values.h"
-#include "carve/stream/volume_stream.h"
 
 #include <fmt/format.h>
 
@@ -11,24 +9,15 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
-#include <sstream>
 
 namespace fluidcarve {
 
-VolumeStore::~VolumeStore() {
+SpillFile::~SpillFile() {
     if (file_ >= 0) close(file_);
 }
 
-void VolumeStore::add(const Ref<Volume>& volume) {
-    if (const auto bytes = bytes_of(*volume); held_ + bytes <= budget_) {
-        held_ += bytes;
-        entries_.push_back({volume, 0, 0});
-        return;
-    }
+SpillFile::Place SpillFile::add(std::string_view bytes) {
     if (file_ < 0) file_ = scratch_file(folder_, "frames", 0);
-    std::ostringstream stream;
-    write_volume(*volume, stream);
-    const auto bytes = std::move(stream).str();
     for (std::size_t done = 0; done < bytes.size();) {
         const auto wrote = pwrite(file_, bytes.data() + done, bytes.size() - done,
                                   end_ + static_cast<std::int64_t>(done));
@@ -40,17 +29,16 @@ void VolumeStore::add(const Ref<Volume>& volume) {
                             folder_, std::strerror(errno)));
         done += static_cast<std::size_t>(wrote);
     }
-    entries_.push_back({nullptr, end_, static_cast<std::int64_t>(bytes.size())});
+    const Place out{end_, bytes.size()};
     end_ += static_cast<std::int64_t>(bytes.size());
+    return out;
 }
 
-Ref<Volume> VolumeStore::at(std::size_t n) const {
-    const auto& [held, begin, size] = entries_.at(n);
-    if (held) return held;
-    std::string bytes(static_cast<std::size_t>(size), '\0');
-    for (std::size_t done = 0; done < bytes.size();) {
-        const auto got = pread(file_, bytes.data() + done, bytes.size() - done,
-                               begin + static_cast<std::int64_t>(done));
+std::string SpillFile::at(const Place& place) const {
+    std::string out(place.size, '\0');
+    for (std::size_t done = 0; done < out.size();) {
+        const auto got = pread(file_, out.data() + done, out.size() - done,
+                               place.begin + static_cast<std::int64_t>(done));
         if (got < 0 && errno == EINTR) continue;
         if (got <= 0)
             throw Failure(
@@ -58,8 +46,7 @@ Ref<Volume> VolumeStore::at(std::size_t n) const {
                             folder_, std::strerror(errno)));
         done += static_cast<std::size_t>(got);
     }
-    std::istringstream stream(std::move(bytes));
-    return read_volume(stream);
+    return out;
 }
 
 }  // namespace fluidcarve

@@ -41,9 +41,9 @@ void add_grid_payloads(Registry& registry) {
     registry.add(payload_type<AnyGrid>(
         "grid", "One grid of any type, also of points.",
         [](const AnyGrid& any) { return any.grid->memUsage(); }, filed_any()));
-    registry.add(payload_type<Volume>("volume",
-                                      "All grids of one frame, in the order of their file.",
-                                      &bytes_of, {2, &write_volume, &read_volume}));
+    registry.add(payload_type<Volume>(
+        "volume", "All grids of one frame, in the order of their file.", &Stored<Volume>::bytes,
+        {2, &Stored<Volume>::write, &Stored<Volume>::read}));
 
     registry.add(conversion<FloatGrid, AnyGrid>(
         [](const Ref<FloatGrid>& grid) { return std::make_shared<AnyGrid>(AnyGrid{grid}); }));

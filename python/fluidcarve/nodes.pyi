@@ -1405,6 +1405,12 @@ class TimeLoop(Node):
 class TimeRetime(Node):
     volume: Output
 
+class TimeRetimeMesh(Node):
+    mesh: Output
+
+class TimeRetimePoints(Node):
+    points: Output
+
 class TimeFamily:
     def carve(
         self,
@@ -1455,6 +1461,37 @@ class TimeFamily:
         """
         The same sequence, faster, slower, backwards, held, or along a curve. Frames between those of the source are
         moved there from both of their neighbours. What follows this node has the new frames.
+        """
+    def retime_mesh(
+        self,
+        source: Source,
+        *,
+        name: str = ...,
+        speed: float | Literal["auto"] | Param = ...,
+        frames: int | Literal["auto"] | Param = ...,
+        curve: Sequence[Sequence[float | Param] | Param] | Param = ...,
+        start: int | Literal["auto"] | Param = ...,
+        doc: str = ...,
+        cache: bool = ...,
+    ) -> TimeRetimeMesh:
+        """
+        The same mesh at another pace: time.retime for meshes. What follows this node has the new frames.
+        """
+    def retime_points(
+        self,
+        source: Source,
+        *,
+        name: str = ...,
+        speed: float | Literal["auto"] | Param = ...,
+        frames: int | Literal["auto"] | Param = ...,
+        curve: Sequence[Sequence[float | Param] | Param] | Param = ...,
+        start: int | Literal["auto"] | Param = ...,
+        scale: float | Literal["auto"] | Param = ...,
+        doc: str = ...,
+        cache: bool = ...,
+    ) -> TimeRetimePoints:
+        """
+        The same particles at another pace: time.retime for points. What follows this node has the new frames.
         """
 
 class UsdWrite(Node):

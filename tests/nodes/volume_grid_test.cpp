@@ -92,8 +92,8 @@ TEST_CASE(
     Volume volume;
     volume.grids = {held(FloatGrid::create(0)), by_voxel(held(FloatGrid::create(0)))};
     std::stringstream file;
-    write_volume(volume, file);
-    const auto back = read_volume(file);
+    Stored<Volume>::write(volume, file);
+    const auto back = Stored<Volume>::read(file);
     REQUIRE(back->grids.size() == 2);
     CHECK(back->grids[0].plane());
     CHECK(back->grids[1].plane() == nullptr);
@@ -102,7 +102,7 @@ TEST_CASE(
         CHECK(test::difference(*grid.grid(), *volume.grids[0].grid()).empty());
     for (std::size_t size = 0; size < file.str().size(); size += 97) {
         std::istringstream part(file.str().substr(0, size));
-        CHECK_THROWS(read_volume(part));
+        CHECK_THROWS(Stored<Volume>::read(part));
     }
 }
 
@@ -116,7 +116,7 @@ TEST_CASE(
     for (const auto* const name : {"R", "G", "B", "Z"}) image.channels.push_back({name, "float"});
     image.pixels.assign(20 * 10 * 4, 0.5f);
     const auto volume = volume_of(image);
-    CHECK(bytes_of(volume) <= 1.3 * 20 * 10 * 4 * sizeof(float));
+    CHECK(Stored<Volume>::bytes(volume) <= 1.3 * 20 * 10 * 4 * sizeof(float));
     CHECK(volume.find("Z")->activeVoxelCount() == 64 * 48);
     CHECK(openvdb::gridConstPtrCast<FloatGrid>(volume.find("Z"))
               ->tree()

@@ -1,8 +1,10 @@
+#include "formats/points_file/file.h"
 #include "tests/support/program.h"
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <filesystem>
@@ -149,4 +151,30 @@ TEST_CASE(
                    "the curve leads to frame 60 of the source, which has the frames 51 to 52"));
     CHECK_THAT(retimed(scratch, "none", "51-52", "start: 3", "", "", 2),
                Catch::Contains("needs a 'speed', a number of 'frames', or a 'curve'"));
+}
+
+TEST_CASE(
+    "a river in slow motion: particles and surface have the same frames, of which its own stay",
+    "[long]") {
+    const Scratch scratch;
+    const auto ran =
+        call_shell(fmt::format("{} run {}/pipelines/river_slow.yaml --progress none --work {} "
+                               "--set out={}.####.vdb --set skin={}.####.vdb --report {}",
+                               FLUIDCARVE_PROGRAM, SOURCE_ROOT, scratch / "work", scratch / "slow",
+                               scratch / "skin", scratch / "report.json"));
+    INFO(ran.err);
+    REQUIRE(ran.code == 0);
+    const std::string river = SOURCE_ROOT "/tests/data/river/meander";
+    // Their velocity is half as fast; the points are where they were.
+    const auto at = [](const std::string& path) {
+        return read_points(path, "", PointOffset::half_voxel, {}).positions();
+    };
+    CHECK(at(file_at(scratch / "slow", 39)) == at(file_at(river, 38)));
+    const auto between = at(file_at(scratch / "slow", 38)).size(),
+               before = at(file_at(river, 37)).size(), after = at(file_at(river, 38)).size();
+    CHECK(between == Approx(0.5 * (before + after)).epsilon(0.02));
+    CHECK(fs::exists(file_at(scratch / "skin", 41)));
+    // Blender's unit of velocity: a tenth of a voxel per frame.
+    const auto report = nlohmann::json::parse(Scratch::read(scratch / "report.json"));
+    CHECK(report["retime"]["moved"]["scale"].get<double>() == Approx(0.00625).epsilon(0.05));
 }

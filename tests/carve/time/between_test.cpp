@@ -1,7 +1,7 @@
 #include "carve/time/between.h"
 
+#include "carve/time/frame_list.h"
 #include "carve/time/motion.h"
-#include "carve/time/volume_store.h"
 #include "tests/support/grid_bytes.h"
 #include "tests/support/scratch.h"
 
@@ -9,6 +9,8 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <memory>
+#include <vector>
 
 using namespace fluidcarve;
 using openvdb::Coord;
@@ -151,7 +153,7 @@ TEST_CASE("velocities are scaled by their name") {
 
 TEST_CASE("volumes beyond the memory come back from a file bit for bit") {
     const Scratch scratch;
-    VolumeStore held(~std::uint64_t{0}, scratch / "work"), filed(0, scratch / "work");
+    FrameList<Volume> held({}), filed({0, scratch / "work"});
     for (int n = 0; n < 5; ++n) {
         auto volume = std::make_shared<Volume>(
             volume_with({puff(Vec3d(n, 0, 0)), openvdb::Int32Grid::create(n)}));
@@ -167,4 +169,71 @@ TEST_CASE("volumes beyond the memory come back from a file bit for bit") {
             CHECK(test::difference(*a->grids[g].grid(), *b->grids[g].grid()) == "");
         CHECK(b->metadata.metaValue<std::int32_t>("take") == static_cast<int>(n));
     }
+}
+
+namespace {
+
+/// A picture of 40 x 30 pixels with one bright spot on grey.
+VolumeGrid picture_of(double x, double y) {
+    const auto header = FloatGrid::create(0);
+    header->setName("R");
+    const openvdb::CoordBBox box(openvdb::Coord(0), openvdb::Coord(39, 29, 0));
+    const auto values = std::make_shared<std::vector<float>>();
+    for (int row = 0; row < 30; ++row)
+        for (int column = 0; column < 40; ++column)
+            values->push_back(static_cast<float>(
+                0.3 + std::exp(-(std::pow(column - x, 2) + std::pow(row - y, 2)) / 8)));
+    return {header, Plane{box, box, std::shared_ptr<const float>(values, values->data()), 1, 40}};
+}
+
+}  // namespace
+
+TEST_CASE("what a picture shows moves in its plane, and nothing comes in from beyond its rim") {
+    Volume from, to;
+    from.grids.push_back(picture_of(14, 12));
+    to.grids.push_back(picture_of(18, 15));
+    const auto shown = [](const Volume& volume) {
+        return openvdb::gridConstPtrCast<FloatGrid>(volume.grids[0].grid());
+    };
+    const auto motion =
+        motion_between({shown(from), nullptr}, {shown(to), nullptr}, 0, ~std::uint64_t{0});
+    for (const double share : {0.25, 0.5}) {
+        const auto between =
+            volume_between(from, to, share, motion.get(), Transport::semi_lagrangian);
+        REQUIRE(between.grids[0].plane());
+        const auto there = picture_of(14 + 4 * share, 12 + 3 * share);
+        double worst = 0;
+        for (int y = 0; y < 30; ++y)
+            for (int x = 0; x < 40; ++x)
+                worst = std::max(worst, std::abs(double(between.grids[0].plane()->at(x, y)) -
+                                                 there.plane()->at(x, y)));
+        CHECK(worst < 0.06);
+    }
+}
+
+TEST_CASE("a picture of two is of each where it alone shows, bit for bit") {
+    Volume a, b;
+    a.grids.push_back(picture_of(14, 12));
+    b.grids.push_back(picture_of(18, 15));
+    const auto mixed = volume_mixed(
+        a, b, [](const Vec3d& at) { return at.x() < 10   ? 0.0
+                                           : at.x() > 20 ? 1.0
+                                                         : 0.5; }, a);
+    const auto* const plane = mixed.grids[0].plane();
+    REQUIRE(plane);
+    CHECK(plane->at(3, 12) == a.grids[0].plane()->at(3, 12));
+    CHECK(plane->at(21, 15) == b.grids[0].plane()->at(21, 15));
+    CHECK(plane->at(15, 13) ==
+          Approx(0.5 * (a.grids[0].plane()->at(15, 13) + b.grids[0].plane()->at(15, 13))));
+}
+
+TEST_CASE("a level set that is no distance does not move when it is blended with itself") {
+    const auto ball = openvdb::tools::createLevelSetSphere<FloatGrid>(4, Vec3d(0), 0.5);
+    for (auto value = ball->beginValueOn(); value; ++value) value.setValue(0.7f * *value);
+    ball->setName("surface");
+    const auto volume = volume_with({ball});
+    const auto out = volume_between(volume, volume, 0.4, nullptr, Transport::semi_lagrangian);
+    const auto same = openvdb::gridConstPtrCast<FloatGrid>(out.find("surface"));
+    for (auto value = ball->cbeginValueOn(); value; ++value)
+        REQUIRE(same->tree().getValue(value.getCoord()) == Approx(*value).margin(1e-5));
 }

@@ -1,0 +1,251 @@
+#include "carve/time/points_between.h"
+
+#include "carve/points/point_vectors.h"
+#include "carve/time/scale_search.h"
+
+#include <openvdb/math/BBox.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace fluidcarve {
+namespace {
+
+using openvdb::Vec3d;
+
+/// What is known of the points of a frame.
+struct Cloud {
+    std::vector<Vec3d> at;
+    std::vector<Vec3d> velocity;                             ///< empty: unknown
+    std::vector<std::pair<std::uint64_t, std::size_t>> ids;  ///< id and point, rising; empty: none
+
+    Cloud(const Points& points, const std::string& name)
+        : at(points.positions()), velocity(vectors_of(points, name)) {
+        if (!points.has_ids()) return;
+        const auto identities = points.identities();
+        for (std::size_t n = 0; n < identities.size(); ++n) ids.emplace_back(identities[n], n);
+        std::ranges::sort(ids);
+    }
+    /// How far a point moves from frame to frame, world units.
+    Vec3d motion(std::size_t n, double scale) const {
+        return velocity.empty() ? Vec3d(0) : scale * velocity[n];
+    }
+};
+
+/// Calls `both(in a, in b)` for points of the same id, and `one(point, whether of a, id)` for
+/// others, by rising ids.
+template <class Both, class One>
+void each_id(const Cloud& a, const Cloud& b, const Both& both, const One& one) {
+    auto x = a.ids.begin(), y = b.ids.begin();
+    while (x != a.ids.end() || y != b.ids.end())
+        if (y == b.ids.end() || (x != a.ids.end() && x->first < y->first)) {
+            one(x->second, true, x->first);
+            ++x;
+        } else if (x == a.ids.end() || y->first < x->first) {
+            one(y->second, false, y->first);
+            ++y;
+        } else both((x++)->second, (y++)->second);
+}
+
+/// The moment at which a point appears or vanishes, evenly spread over 0 to 1 (the mixing of
+/// splitmix64).
+double moment_of(std::uint64_t id) {
+    id += 0x9e3779b97f4a7c15u;
+    id = (id ^ (id >> 30)) * 0xbf58476d1ce4e5b9u;
+    id = (id ^ (id >> 27)) * 0x94d049bb133111ebu;
+    return std::ldexp(static_cast<double>((id ^ (id >> 31)) >> 11), -53);
+}
+
+/// A place on the way from `a` to `b`, which begins and ends with the motions `from` and `to`. If
+/// these lead elsewhere, the way is straight.
+Vec3d on_the_way(const Vec3d& a, const Vec3d& b, const Vec3d& from, const Vec3d& to, double share) {
+    const auto way = b - a;
+    const auto straight = a + share * way;
+    if ((way - 0.5 * (from + to)).length() > 0.5 * way.length()) return straight;
+    const double t = share, rest = 1 - t;
+    return a + t * t * (3 - 2 * t) * way + t * rest * (rest * from - t * to);
+}
+
+/// Points by the cell that they are in, to find the one nearest to a place.
+class Cells {
+public:
+    explicit Cells(const std::vector<Vec3d>& at) : at_(at) {
+        openvdb::BBoxd box;
+        for (const auto& each : at) box.expand(each);
+        const auto size = box.extents();
+        const auto count = std::cbrt(static_cast<double>(at.size()));
+        cell_ = std::cbrt(size.x() * size.y() * size.z()) / count;
+        if (!(cell_ > 0)) cell_ = std::max({size.x(), size.y(), size.z()}) / count;
+        if (!(cell_ > 0)) return;
+        // The box is mostly empty: so the cells with points say how far apart these are.
+        sort();
+        spacing_ = cell_ * std::cbrt(static_cast<double>(cells_.size())) / count;
+        cell_ = 2 * spacing_;
+        sort();
+    }
+    /// Typical distance of neighbours, world units; 0: all points are in one place.
+    double spacing() const { return spacing_; }
+    /// Distance to the nearest point, at most two spacings.
+    double nearest(const Vec3d& place) const {
+        double out = cell_ * cell_;
+        const auto middle = cell_of(place);
+        for (auto cell = openvdb::CoordBBox(middle.offsetBy(-1), middle.offsetBy(1)).begin(); cell;
+             ++cell) {
+            const auto found = cells_.find(*cell);
+            if (found == cells_.end()) continue;
+            for (const auto n : found->second) out = std::min(out, (at_[n] - place).lengthSqr());
+        }
+        return std::sqrt(out);
+    }
+
+private:
+    void sort() {
+        cells_.clear();
+        for (std::size_t n = 0; n < at_.size(); ++n) cells_[cell_of(at_[n])].push_back(n);
+    }
+    openvdb::Coord cell_of(const Vec3d& place) const {
+        return openvdb::Coord::floor(place / cell_);
+    }
+
+    const std::vector<Vec3d>& at_;
+    double cell_ = 0, spacing_ = 0;
+    std::unordered_map<openvdb::Coord, std::vector<std::size_t>> cells_;
+};
+
+/// The scale at which points of `a`, moved, come nearest to points of `b`.
+double scale_without_ids(const Cloud& a, const Cloud& b) {
+    double sum = 0;
+    for (const auto& velocity : a.velocity) sum += velocity.lengthSqr();
+    if (sum == 0 || b.at.empty()) return 0;
+    const double speed = std::sqrt(sum / static_cast<double>(a.velocity.size()));
+    const Cells cells(b.at);
+    if (!(cells.spacing() > 0)) return 0;
+    // As many points as say it surely.
+    constexpr std::size_t enough = 4000;
+    const auto step = std::max<std::size_t>(a.at.size() / enough, 1);
+    return cells.spacing() / speed * least_error_at([&](double number) {
+               double out = 0;
+               for (std::size_t n = 0; n < a.at.size(); n += step)
+                   out += std::pow(
+                       cells.nearest(a.at[n] + a.motion(n, number * cells.spacing() / speed)), 2);
+               return out;
+           });
+}
+
+/// Finds the points at a moment between two frames.
+class Between {
+public:
+    Between(const Points& a, const Points& b, double share, const PointMotion& motion)
+        : a_(a, motion.velocity), b_(b, motion.velocity), share_(share), scale_(motion.scale) {}
+
+    bool have_ids() const { return !a_.ids.empty() && !b_.ids.empty(); }
+    const std::vector<PointImage>& images() const { return images_; }
+
+    /// One that both frames have goes from place to place; others come and go one by one.
+    /// @param velocities  of the nearer frame; become those at this moment
+    void by_ids(std::vector<Vec3d>& velocities) {
+        const bool first = share_ < 0.5;
+        each_id(
+            a_, b_,
+            [&](std::size_t x, std::size_t y) {
+                show(first ? x : y, first,
+                     on_the_way(a_.at[x], b_.at[y], a_.motion(x, scale_), b_.motion(y, scale_),
+                                share_));
+                if (!a_.velocity.empty() && !b_.velocity.empty())
+                    velocities[first ? x : y] =
+                        (1 - share_) * a_.velocity[x] + share_ * b_.velocity[y];
+            },
+            [&](std::size_t n, bool of_a, std::uint64_t id) {
+                if (of_a == (share_ < moment_of(id))) show(n, of_a, moved(n, of_a));
+            });
+        std::ranges::sort(images_, std::less<>(), &PointImage::source);
+    }
+
+    /// All of the nearer frame.
+    void nearer() {
+        const bool first = share_ < 0.5;
+        for (std::size_t n = 0; n < (first ? a_ : b_).at.size(); ++n)
+            show(n, first, moved(n, first));
+    }
+
+    /// Those of the nearer frame, and where they leave a gap those of the other; but nothing where
+    /// neither frame has points: so what flows in and out does not move its ends.
+    void without_ids() {
+        const bool first = share_ < 0.5;
+        nearer();
+        if (a_.at.empty() || b_.at.empty()) return;
+        const Cells a(a_.at), b(b_.at);
+        const double near = (first ? a : b).spacing();
+        const auto beyond = [&](const Vec3d& at) {
+            return a.nearest(at) > near && b.nearest(at) > near;
+        };
+        std::erase_if(images_, [&](const PointImage& image) { return beyond(image.position); });
+        std::vector<Vec3d> held;
+        for (const auto& image : images_) held.push_back(image.position);
+        if (held.empty()) return;
+        const Cells there(held);
+        for (std::size_t n = 0; n < (first ? b_ : a_).at.size(); ++n)
+            if (const auto at = moved(n, !first); there.nearest(at) > near && !beyond(at))
+                show(n, !first, at);
+        std::ranges::sort(images_, std::less<>(), &PointImage::source);
+    }
+
+private:
+    /// Points of `b` count on from those of `a`.
+    void show(std::size_t n, bool of_a, const Vec3d& at) {
+        images_.push_back({static_cast<std::uint32_t>((of_a ? 0 : a_.at.size()) + n), true, at});
+    }
+    Vec3d moved(std::size_t n, bool of_a) const {
+        return of_a ? a_.at[n] + share_ * a_.motion(n, scale_)
+                    : b_.at[n] - (1 - share_) * b_.motion(n, scale_);
+    }
+
+    Cloud a_, b_;
+    double share_, scale_;
+    std::vector<PointImage> images_;
+};
+
+}  // namespace
+
+double point_scale(const Points& a, const Points& b, const std::string& velocity) {
+    const Cloud from(a, velocity), to(b, velocity);
+    if (from.velocity.empty() || to.velocity.empty()) return 0;
+    if (from.ids.empty() || to.ids.empty()) return scale_without_ids(from, to);
+    double along = 0, square = 0;
+    each_id(
+        from, to,
+        [&](std::size_t x, std::size_t y) {
+            const auto mean = 0.5 * (from.velocity[x] + to.velocity[y]);
+            along += mean.dot(to.at[y] - from.at[x]);
+            square += mean.lengthSqr();
+        },
+        [](std::size_t, bool, std::uint64_t) {});
+    return square > 0 ? along / square : 0;
+}
+
+Points points_between(const Points& a, const Points& b, double share, const PointMotion& motion) {
+    Between between(a, b, share, motion);
+    const bool first = share < 0.5;
+    const auto& nearer = first ? a : b;
+    if (!alike(a, b)) {
+        between.nearer();
+        auto images = between.images();
+        for (auto& image : images) image.source -= static_cast<std::uint32_t>(first ? 0 : a.size());
+        return with_images(nearer, images);
+    }
+    auto velocities = vectors_of(nearer, motion.velocity);
+    if (between.have_ids()) between.by_ids(velocities);
+    else between.without_ids();
+    const auto shown =
+        velocities.empty() ? nearer : with_vectors(nearer, motion.velocity, velocities);
+    return with_images(first ? shown : a, between.images(), first ? &b : &shown);
+}
+
+}  // namespace fluidcarve

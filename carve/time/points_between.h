@@ -1,0 +1,28 @@
+#pragma once
+
+#include "carve/points/points.h"
+
+#include <string>
+
+namespace fluidcarve {
+
+/// What says where points move to.
+struct PointMotion {
+    std::string velocity;  ///< name of the attribute, see velocity_name(); empty: none
+    double scale = 0;      ///< how far a velocity of 1 moves between the two frames, world units
+};
+
+/// The points at a moment between two frames. One that both frames have, by its `id`, goes from
+/// place to place along its velocities. One that only one of them has appears, or vanishes, at a
+/// moment of its own, so that their number changes evenly. Without ids, the points are those of the
+/// nearer frame, moved along their velocities. Attributes are those of the nearer frame; velocities
+/// of points that both have lie between.
+/// @param share  of the way from `a` to `b`, between 0 and 1
+Points points_between(const Points& a, const Points& b, double share, const PointMotion& motion);
+
+/// The scale at which the velocities of two frames say best where their points go. With ids by
+/// least squares; else that at which points, moved, come nearest to points of the other frame.
+/// @return world units from frame to frame; 0: nothing moves, or nothing says where to
+double point_scale(const Points& a, const Points& b, const std::string& velocity);
+
+}  // namespace fluidcarve

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <functional>
+
+namespace fluidcarve {
+
+/// The number, in voxels or spacings of points, at which an error is least: first roughly, from
+/// 0.05 to 8, each half as much again as the one before, then by golden section.
+/// @param error  at a number; called from this thread
+/// @return 0 if no number is better than 0
+double least_error_at(const std::function<double(double)>& error);
+
+}  // namespace fluidcarve

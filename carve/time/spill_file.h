@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace fluidcarve {
+
+/// Bytes in a file without a name, which is made when the first are added.
+class SpillFile {
+public:
+    struct Place {
+        std::int64_t begin = 0;
+        std::size_t size = 0;
+    };
+
+    /// @param folder  for the file; created if missing
+    explicit SpillFile(std::string folder) : folder_(std::move(folder)) {}
+    ~SpillFile();
+    SpillFile(const SpillFile&) = delete;
+    SpillFile& operator=(const SpillFile&) = delete;
+
+    /// @throws Failure if there is no room
+    Place add(std::string_view bytes);
+    /// What was added. May be called from many threads at once.
+    std::string at(const Place& place) const;
+
+private:
+    std::string folder_;
+    std::int64_t end_ = 0;
+    int file_ = -1;
+};
+
+}  // namespace fluidcarve
