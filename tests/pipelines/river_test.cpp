@@ -54,10 +54,10 @@ Lattice channel() {
     LatticeSpec spec;
     spec.spacing = voxel;
     spec.u = {-0.5, 1.5};
-    spec.v = {-0.8, 0.8};
+    spec.v = {-1.2, 0.8};
     spec.smooth = Smooth::directions;
     spec.max_iterations = 1000;
-    return build_lattice(extended(rig, 2), spec).lattice;
+    return build_lattice(extended(smoothed(rig, 10), 2), spec).lattice;
 }
 
 /// The river, made so many voxels wider.
@@ -135,7 +135,7 @@ Station station(const Lattice& lattice, const FloatGrid& water, const FloatGrid&
     };
     if (!height) {
         double widest = 0;
-        for (double v = 6; v < 16; v += 0.25)
+        for (double v = 12.4; v < 22.4; v += 0.25)
             if (const auto width = across(v).width(); width > widest) {
                 widest = width;
                 height = v - 0.5;
