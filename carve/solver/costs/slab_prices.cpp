@@ -30,6 +30,20 @@ int overlap(int thickness) { return static_cast<int>(std::lround(0.6 * thickness
 
 double ratio(double of, double unit) { return unit > 0 ? of / unit : 0; }
 
+/// The code of a slab's price, raised where others were taken nearby.
+/// @param column  as in Seams::Seam::at
+std::uint16_t kept_away(double price, std::size_t column, int entry, int thickness,
+                        std::span<const SlabPrices::Taken> all_taken) {
+    for (const auto& taken : all_taken) {
+        const double apart =
+            std::abs(entry + 0.5 * (thickness - taken.thickness) - taken.at[column]) /
+            (away * thickness);
+        price *= 1 + keep_away * std::max(0.0, 1 - apart);
+    }
+    const double most = decode_energy(highest_energy_code);
+    return encode_energy(static_cast<float>(std::min(price, most)));
+}
+
 /// Averages rows of numbers with the rows before and behind.
 /// @param count    of rows in a line
 /// @param stride   from a row to the next
@@ -194,18 +208,11 @@ SlabPrices::SlabPrices(const EnergyVolume& volume, int thickness, const SlabWeig
     energy_ = means.energy.mean();
 }
 
-/// Prices of a frame's slabs before they are smoothed, and where something is seen on either side
-/// of them.
-struct SlabPrices::Frame {
-    std::vector<float> prices;          ///< `[column][entry]`
-    std::vector<std::uint8_t> content;  ///< likewise
-};
-
-SlabPrices::Frame SlabPrices::frame(const EnergyVolume& volume, int thickness,
-                                    std::size_t t) const {
+std::vector<float> SlabPrices::frame(const EnergyVolume& volume, int thickness,
+                                     std::size_t t) const {
     const int width = volume.width(), begins = width - thickness + 1;
     const auto columns = volume.columns_per_frame(), slabs = static_cast<std::size_t>(begins);
-    Frame out{std::vector<float>(columns * slabs), std::vector<std::uint8_t>(columns * slabs)};
+    std::vector<float> out(columns * slabs);
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, columns, 256),
         [&](const tbb::blocked_range<std::size_t>& range) {
@@ -215,8 +222,7 @@ SlabPrices::Frame SlabPrices::frame(const EnergyVolume& volume, int thickness,
                                                             static_cast<std::size_t>(width)});
                 for (std::size_t n = 0; n < slabs; ++n) {
                     const int entry = static_cast<int>(n);
-                    out.content[c * slabs + n] = column.content(entry) ? 1 : 0;
-                    out.prices[c * slabs + n] =
+                    out[c * slabs + n] =
                         static_cast<float>(weights_.join * ratio(column.join(entry), join_) +
                                            ratio(column.energy(entry), energy_) +
                                            outline_price * unit() * column.outlines(entry));
@@ -225,20 +231,40 @@ SlabPrices::Frame SlabPrices::frame(const EnergyVolume& volume, int thickness,
         });
     const auto laterals = static_cast<std::size_t>(volume.laterals()),
                slices = static_cast<std::size_t>(volume.slices());
-    smooth(out.prices, laterals, slabs, slices, laterals * slabs, slabs, volume.around());
-    smooth(out.prices, slices, laterals * slabs, laterals, slabs, slabs, volume.closed());
+    smooth(out, laterals, slabs, slices, laterals * slabs, slabs, volume.around());
+    smooth(out, slices, laterals * slabs, laterals, slabs, slabs, volume.closed());
     return out;
 }
 
-EnergyVolume SlabPrices::of(const EnergyVolume& volume, int thickness, float price_of_empty,
+void SlabPrices::set_empty(EnergyVolume& prices, const EnergyVolume& volume, int thickness,
+                           float empty, std::span<const Taken> all_taken) const {
+    const auto columns = prices.columns_per_frame();
+    const int beside = overlap(thickness);
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, columns * prices.frames(), 256),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+            for (auto c = range.begin(); c < range.end(); ++c) {
+                const auto& field = volume.field(c);
+                auto* const to = prices.codes(c / columns).data() + c % columns * prices.stride();
+                int next = field.first, seen = -beside - 1;  // the last entry where something is
+                for (int entry = 0; entry < prices.width(); ++entry) {
+                    for (; next < std::min(field.end, entry + thickness + beside + 1); ++next)
+                        if (std::abs(field.value(next)) > content_) seen = next;
+                    if (seen < entry - beside && to[entry] <= highest_energy_code)
+                        to[entry] = kept_away(empty * unit(), c, entry, thickness, all_taken);
+                }
+            }
+        });
+}
+
+EnergyVolume SlabPrices::of(const EnergyVolume& volume, int thickness, float empty,
                             std::span<const Taken> all_taken, std::uint64_t memory_budget,
                             const std::string& folder) const {
     const int slabs = volume.width() - thickness + 1;
     EnergyVolume out({slabs, volume.laterals(), volume.slices()}, Axis::u, volume.frames(),
                      memory_budget, folder, volume.closed(), volume.around());
-    const double most = decode_energy(highest_energy_code), empty = price_of_empty * unit();
     // The frame, those before and behind.
-    std::array<Frame, 3> frames{frame(volume, thickness, 0), {}, {}};
+    std::array<std::vector<float>, 3> frames{frame(volume, thickness, 0), {}, {}};
     frames[1] = frames[0];
     const auto columns = volume.columns_per_frame();
     for (std::size_t t = 0; t < volume.frames(); ++t) {
@@ -264,25 +290,15 @@ EnergyVolume SlabPrices::of(const EnergyVolume& volume, int thickness, float pri
                         }
                         const auto at =
                             c * static_cast<std::size_t>(slabs) + static_cast<std::size_t>(entry);
-                        double price = frames[1].content[at] != 0
-                                           ? (frames[0].prices[at] + frames[1].prices[at] +
-                                              frames[2].prices[at]) /
-                                                 3.0
-                                           : empty;
-                        for (const auto& taken : all_taken) {
-                            const double apart =
-                                std::abs(entry + 0.5 * (thickness - taken.thickness) -
-                                         taken.at[t * columns + c]) /
-                                (away * thickness);
-                            price *= 1 + keep_away * std::max(0.0, 1 - apart);
-                        }
-                        to[entry] = encode_energy(static_cast<float>(std::min(price, most)));
+                        const double price = (frames[0][at] + frames[1][at] + frames[2][at]) / 3.0;
+                        to[entry] = kept_away(price, t * columns + c, entry, thickness, all_taken);
                     }
                 }
             });
         frames[0] = std::move(frames[1]);
         frames[1] = std::move(frames[2]);
     }
+    set_empty(out, volume, thickness, empty, all_taken);
     out.set_slabs();
     const auto step = static_cast<float>(unit());
     out.set_rigidity({step * weights_.rigidity[0], step * weights_.rigidity[1]});

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace fluidcarve {
 
@@ -57,6 +58,10 @@ public:
     EnergyVolume of(const EnergyVolume& volume, int thickness, float empty,
                     std::span<const Taken> taken, std::uint64_t memory_budget,
                     const std::string& folder) const;
+    /// Sets the prices where nothing is seen; the others stay, since they do not depend on `empty`.
+    /// @param prices  of(volume, thickness, ..., taken)
+    void set_empty(EnergyVolume& prices, const EnergyVolume& volume, int thickness, float empty,
+                   std::span<const Taken> taken) const;
 
     /// Prices of what is empty, from low to high. The first with which the content gives its share
     /// is taken.
@@ -72,8 +77,8 @@ public:
 
 private:
     class Column;
-    struct Frame;
-    Frame frame(const EnergyVolume& volume, int thickness, std::size_t t) const;
+    /// Prices of a frame's slabs where something is seen, `[column][entry]`.
+    std::vector<float> frame(const EnergyVolume& volume, int thickness, std::size_t t) const;
     /// Mean price of content, but for outlines: a join, and energy if there is any.
     double unit() const { return weights_.join + (energy_ > 0 ? 1 : 0); }
 

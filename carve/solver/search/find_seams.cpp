@@ -178,8 +178,8 @@ public:
             const auto start = std::chrono::steady_clock::now();
             const int thickness = thickness_now();
             const auto left = window_left(thickness);
-            if (prices_) price(thickness, SlabPrices::emptiness.front());
-            const auto& energy = priced_ ? *priced_ : this->energy();
+            if (prices_) price(thickness);
+            const auto& energy = this->energy();
             if (auto blocked = blocked_seam(energy, left, static_cast<int>(out_.seams.size()))) {
                 if (full_)
                     blocked =
@@ -215,8 +215,8 @@ public:
 
 private:
     bool inserts() const { return kind_ == Seams::Kind::insert; }
-    /// What seams are searched in, if they are thin.
-    EnergyVolume& energy() { return sum_ ? *sum_ : volume_; }
+    /// What seams are searched in.
+    EnergyVolume& energy() { return sum_ ? *sum_ : priced_ ? *priced_ : volume_; }
     /// Seams that come of one that is found.
     int each() const { return thickness_ * (full_ ? 2 : 1); }
     /// The thickness of the next slab. It does not depend on how many are wanted.
@@ -238,17 +238,19 @@ private:
                      : volume_.columns_per_frame() * (static_ ? 1 : volume_.frames());
     }
     std::size_t all_frames() const { return full_ ? full_->columns.frames() : volume_.frames(); }
-    /// Sets the prices of slabs. @param empty  of what is empty, unless stated
-    void price(int thickness, float empty) {
+    /// Sets the prices of slabs.
+    void price(int thickness) {
         priced_.reset();
-        auto out = prices_->of(volume_, thickness, continued_.thick->weights.empty.value_or(empty),
-                               slabs_, continued_.memory_budget, continued_.folder);
-        priced_ = static_ ? out.sum() : std::move(out);
+        priced_ =
+            prices_->of(volume_, thickness,
+                        continued_.thick->weights.empty.value_or(SlabPrices::emptiness.front()),
+                        slabs_, continued_.memory_budget, continued_.folder);
+        if (static_) sum_ = priced_->sum();
     }
     /// Finds a slab. What is empty becomes dearer until the content gives its share, too.
     Seams::Seam find_slab(const FindSeam& find, int thickness, Window left, const Tick& tick) {
         // Solvers that go on from the last seam begin anew: prices change everywhere.
-        const auto once = [&] { return find(*priced_, left, 2 * searches_, tick); };
+        const auto once = [&] { return find(energy(), left, 2 * searches_, tick); };
         auto out = once();
         if (continued_.thick->weights.empty) return out;
         for (std::size_t n = 1; n < SlabPrices::emptiness.size(); ++n) {
@@ -257,7 +259,8 @@ private:
                                        {left.first, left.last + thickness - 1}) >=
                 SlabPrices::enough)
                 break;
-            price(thickness, SlabPrices::emptiness[n]);
+            prices_->set_empty(*priced_, volume_, thickness, SlabPrices::emptiness[n], slabs_);
+            if (static_) sum_ = priced_->sum();
             out = once();
         }
         return out;
@@ -356,8 +359,8 @@ private:
                         before[n].at.begin() + static_cast<std::ptrdiff_t>(columns()));
             if (deleted_) deleted_->from_original(last);
             const int thickness = thickness_now();
-            if (prices_) price(thickness, SlabPrices::emptiness.front());
-            count_met(prices_ ? *priced_ : energy(), last);
+            if (prices_) price(thickness);
+            count_met(energy(), last);
             const auto left = window_left(thickness);
             take(last, thickness, left);
             const auto end = std::min(before.size(), n + static_cast<std::size_t>(each()));
@@ -384,9 +387,9 @@ private:
     const std::optional<FullSize>& full_;
     const int width_;
     int thickness_;
-    std::optional<EnergyVolume> sum_;       ///< of all frames, for static seams
     std::optional<SlabPrices> prices_;      ///< if seams are thick
-    std::optional<EnergyVolume> priced_;    ///< what the next slab is searched in
+    std::optional<EnergyVolume> priced_;    ///< the prices of the next slab
+    std::optional<EnergyVolume> sum_;       ///< of all frames, for static seams
     std::vector<SlabPrices::Taken> slabs_;  ///< that were taken
     std::optional<Deleted> deleted_;        ///< of thin seams that are doubled
     int searches_ = 0;                      ///< seams or slabs that are known

@@ -217,6 +217,29 @@ TEST_CASE(
         REQUIRE(without.codes(0)[entry] == behind.codes(0)[entry]);
 }
 
+TEST_CASE("what is empty can be given another price, and all else keeps its own") {
+    auto volume = slab_volume(3, [](int i, int j, int, std::size_t t) {
+        const bool seen = i > 6 + j && i < 20 + static_cast<int>(t);
+        return seen ? static_cast<float>(2 + std::sin(0.9 * i)) : 0.0f;
+    });
+    volume.codes(0)[3] = protected_code;
+    volume.codes(1)[60] = attracted_code;
+    volume.find_marks();
+    const SlabPrices prices(volume, 4, {1, {}, {}});
+    const auto columns = static_cast<std::size_t>(slab_lattice[1] * slab_lattice[2]);
+    const SlabPrices::Taken taken{SeamEntries(std::vector<std::uint16_t>(3 * columns, 20)), 4};
+    const auto at = [&](float empty) {
+        return prices.of(volume, 4, empty, {&taken, 1}, ~std::uint64_t{0}, "");
+    };
+    auto given = at(1.3f);
+    const auto wanted = at(3.5f);
+    prices.set_empty(given, volume, 4, 3.5f, {&taken, 1});
+    const auto codes = [](const EnergyVolume& of) {
+        return std::vector(of.codes(0), of.codes(0) + 3 * of.columns_per_frame() * of.stride());
+    };
+    CHECK(codes(given) == codes(wanted));
+}
+
 TEST_CASE("removed slabs keep away from each other, even where energy is low in one place only") {
     const auto valley = [](const Coord& at) { return at.x() >= 18 && at.x() < 26 ? 0.25f : 1.0f; };
     const std::vector<FloatGrid::Ptr> energies(slab_frames, energy_grid(slab_voxels, valley));
