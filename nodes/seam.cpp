@@ -145,7 +145,7 @@ NodeType seam_pyramid() {
                "or many times. `best` also cuts narrow bands at all of them.")
         .param("starts", &PyramidNode::Params::starts, Unit::none, between(1, 4096),
                "Number of greedy searches that compete; the cheapest seam of all wins.")
-        .version(8);
+        .version(9);
 }
 
 }  // namespace fluidcarve

@@ -36,9 +36,6 @@ constexpr Effort effort_for_looks{std::size_t{1} << 12, 0.02, 4, 64, 2};
 
 constexpr int passes_of_draft = 2;
 
-/// Energies of more columns with protected vertices are cut by the best quality only.
-constexpr std::size_t most_columns_cut = std::size_t{1} << 14;
-
 /// Entries of a strip on either side of the seam that it was made around.
 constexpr int radius = ColumnMessages::most_entries / 2;
 
@@ -68,10 +65,7 @@ void Pyramid::refine(StripMessages& messages, int level, bool looks, bool attrac
         seam = cut_seam(strip, seam, 1, tolerance, number, tick).at;
     };
     // Messages weigh what is attracted against all the rest; a cut in a narrow band takes it.
-    // Around protected vertices a seam that messages lead to is moved aside, where it may be dear.
-    const bool guarded = strip.protects() && strip.columns().count() <= most_columns_cut;
-    const bool cuts =
-        quality_ == Quality::best || attracts || (guarded && quality_ != Quality::draft);
+    const bool cuts = quality_ == Quality::best || attracts;
     if (!attracts) messages.improve(seam, passes(looks, level), level > 0, tick);
     if (cuts) cut(1e-3);
     LineSweeps sweep(strip);
