@@ -23,18 +23,19 @@ struct Effort {
     double tolerance;           ///< of such cuts of coarse energies, as a share of the least cost
     int passes;  ///< of messages to and fro at the finest level; each coarser one gets twice as
                  ///< many, up to most_passes
-    int most_passes;  ///< more at coarse levels lead away from what the finest one asks for
     int sweeps;  ///< along all lines of columns, at each level; in rings each is opened elsewhere
 };
 
-constexpr Effort normal_effort{std::size_t{1} << 18, 0, 28, 32, 2},
-    best_effort{std::size_t{1} << 18, 0, 32, 64, 4};
+constexpr Effort normal_effort{std::size_t{1} << 18, 0, 8, 2},
+    best_effort{std::size_t{1} << 18, 0, 32, 4};
 
 /// With a field, each cut and sweep takes several times as long, and seams of less energy look no
 /// better; nor do slabs.
-constexpr Effort effort_for_looks{std::size_t{1} << 12, 0.02, 4, 64, 2};
+constexpr Effort effort_for_looks{std::size_t{1} << 12, 0.02, 4, 2};
 
 constexpr int passes_of_draft = 2;
+/// More at coarse levels lead away from what the finest one asks for.
+constexpr int most_passes = 32;
 
 /// Entries of a strip on either side of the seam that it was made around.
 constexpr int radius = ColumnMessages::most_entries / 2;
@@ -53,9 +54,9 @@ bool small(const EnergyVolume& energy, Window window, const Effort& effort) {
 }  // namespace
 
 int Pyramid::passes(bool looks, int level) const {
-    const auto& effort = effort_for(looks, quality_);
-    const int finest = quality_ == Quality::draft ? passes_of_draft : effort.passes;
-    return std::min(finest << std::min(level, 8), effort.most_passes);
+    const int finest =
+        quality_ == Quality::draft ? passes_of_draft : effort_for(looks, quality_).passes;
+    return std::min(finest << std::min(level, 8), most_passes);
 }
 
 void Pyramid::refine(StripMessages& messages, int level, bool looks, bool attracts, int number,

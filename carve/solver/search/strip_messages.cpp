@@ -1,7 +1,6 @@
 #include "carve/solver/search/strip_messages.h"
 
 #include "carve/solver/search/protection.h"
-#include "carve/solver/search/skewed_messages.h"
 #include "carve/solver/search/wavefront.h"
 
 #include <tbb/parallel_for.h>
@@ -20,10 +19,6 @@ constexpr float hole = 1e20f;
 /// By this share another entry must be cheaper than the seam's own: sums of floats differ by less
 /// than that.
 constexpr float least_gain = 1e-5f;
-/// ColumnMessages of more columns than these do not stay in the processor's memory from one pass to
-/// the next. Then they are passed to and fro several times in each tile.
-constexpr std::size_t most_at_once = 1 << 19;
-constexpr int turns_in_tile = 3;
 
 /// Columns along each dimension that a thread visits one after the other. Long rows are read
 /// faster; a few frames leave too little to share.
@@ -351,9 +346,7 @@ FLUIDCARVE_WIDE void interpolate(const Strip& coarse, const ColumnMessages* coar
 }  // namespace
 
 StripMessages::StripMessages(Strip strip, const KeptMemory& memory)
-    : strip_(std::move(strip)),
-      memory_(memory),
-      messages_(memory.array<ColumnMessages>(strip_.columns().count())) {
+    : strip_(std::move(strip)), messages_(memory.array<ColumnMessages>(strip_.columns().count())) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, messages_.size(), 4096),
                       [&](const tbb::blocked_range<std::size_t>& range) {
                           std::fill_n(messages_.data() + range.begin(), range.size(),
@@ -363,9 +356,7 @@ StripMessages::StripMessages(Strip strip, const KeptMemory& memory)
 
 StripMessages::StripMessages(Strip strip, Window window, const StripMessages& coarse,
                              const KeptMemory& memory)
-    : strip_(std::move(strip)),
-      memory_(memory),
-      messages_(memory.array<ColumnMessages>(strip_.columns().count())) {
+    : strip_(std::move(strip)), messages_(memory.array<ColumnMessages>(strip_.columns().count())) {
     const auto& few = coarse.strip_.columns();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, few.count(), 256),
                       [&](const tbb::blocked_range<std::size_t>& range) {
@@ -440,15 +431,7 @@ void StripMessages::improve(std::vector<std::uint16_t>& seam, int passes, bool g
 void StripMessages::improve(std::vector<std::uint16_t>& seam, int passes, const Origin& origin,
                             bool goes_on, const std::function<void()>& tick) {
     auto found = seam;
-    int n = 0;
-    if (passes > 1 && SkewedMessages::fits(strip_)) {
-        SkewedMessages skewed(strip_, messages_.data(), memory_);
-        const int turns =
-            messages_.size() > most_at_once && passes > turns_in_tile ? turns_in_tile : 1;
-        for (; n + turns < passes; n += turns) skewed.to_and_fro(turns, tick);
-        skewed.write(messages_.data());
-    }
-    for (; n < passes; ++n) {
+    for (int n = 0; n < passes; ++n) {
         const bool last = n + 1 == passes;
         pass(true, origin, seam, last ? &found : nullptr, tick);
         if (!last || goes_on) pass(false, origin, seam, nullptr, tick);

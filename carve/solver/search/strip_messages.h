@@ -54,7 +54,6 @@ private:
               std::vector<std::uint16_t>* taken, const std::function<void()>& tick);
 
     Strip strip_;
-    KeptMemory memory_;
     KeptMemory::Array<ColumnMessages> messages_;  ///< `[column]`
 };
 
