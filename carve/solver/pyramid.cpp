@@ -69,7 +69,7 @@ void Pyramid::refine(StripMessages& messages, int level, bool looks, bool attrac
     const bool cuts = quality_ == Quality::best || attracts;
     if (!attracts) messages.improve(seam, passes(looks, level), level > 0, tick);
     if (cuts) cut(1e-3);
-    LineSweeps sweep(strip);
+    const LineSweeps sweep(strip);
     for (int turn = 0; turn < effort_for(looks, quality_).sweeps; ++turn) {
         tick();
         sweep(seam, turn);

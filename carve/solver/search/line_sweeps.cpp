@@ -3,7 +3,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
+#include <array>
+#include <cstddef>
 #include <limits>
 
 namespace fluidcarve {
@@ -26,11 +27,9 @@ public:
     /// @param length  number of columns
     /// @param along   the dimension of the line: 0 lateral, 1 k, 2 t
     /// @param still   index in the line of the column that stays fixed; -1: none
-    /// @return the columns in which it moved
-    const std::vector<std::size_t>& improve(std::size_t first, std::size_t step, std::size_t length,
-                                            std::size_t along, std::ptrdiff_t still) {
+    void improve(std::size_t first, std::size_t step, std::size_t length, std::size_t along,
+                 std::ptrdiff_t still) {
         cells_.resize(length);
-        moved_.clear();
         find_beside(first, along);
         // A ring is opened at the fixed column, which then is both ends.
         const bool ring = still >= 0;
@@ -61,13 +60,9 @@ public:
         }
         auto entry = cheapest(cells_.back());
         for (auto n = length; n-- > 0;) {
-            if (entry != cells_[n].stay) {
-                moved_.push_back(column(n));
-                seam_[column(n)] = static_cast<std::uint16_t>(entry);
-            }
+            seam_[column(n)] = static_cast<std::uint16_t>(entry);
             entry = cells_[n].from[entry - cells_[n].base()];
         }
-        return moved_;
     }
 
 private:
@@ -161,78 +156,47 @@ private:
     const Strip& strip_;
     std::vector<std::uint16_t>& seam_;
     std::vector<Cell> cells_;
-    std::vector<std::size_t> moved_;
     std::array<Beside, 4> beside_;
     std::size_t count_ = 0;
 };
 
-LineSweeps::LineSweeps(const Strip& strip)
-    : strip_(strip),
-      size_{strip.columns().laterals(), strip.columns().slices(), strip.columns().frames()} {
-    for (std::size_t along = 0; along < 3; ++along)
-        settled_[along].resize(strip.columns().count() / size_[along]);
-}
-
-std::uint8_t& LineSweeps::settled(std::size_t along, const std::array<std::size_t, 3>& at) {
-    const std::size_t inner = along == 0 ? 1 : 0, outer = along == 2 ? 1 : 2;
-    return settled_[along][at[outer] * size_[inner] + at[inner]];
-}
-
-void LineSweeps::unsettle(std::size_t column) {
-    const auto& columns = strip_.columns();
-    const auto place = columns.place(column);
-    // Several threads may do so to one line at once.
-    const auto all_through = [&](const Columns::Place& at) {
-        for (std::size_t along = 0; along < 3; ++along)
-            std::atomic_ref(settled(along, {at.lateral, at.k, at.t}))
-                .store(0, std::memory_order_relaxed);
-    };
-    all_through(place);
-    for (const auto other : columns.around(column, place))
-        if (other != Columns::none) all_through(columns.place(other));
-}
-
 template <Stepping stepping>
-void LineSweeps::sweep(std::vector<std::uint16_t>& seam, int turn) {
+void LineSweeps::sweep(std::vector<std::uint16_t>& seam, int turn) const {
     const auto& columns = strip_.columns();
-    const std::array<std::size_t, 3> step{1, columns.laterals(), columns.per_frame()};
+    const std::array<std::size_t, 3> size{columns.laterals(), columns.slices(), columns.frames()},
+        step{1, columns.laterals(), columns.per_frame()};
     for (std::size_t along = 0; along < 3; ++along) {
-        if (size_[along] < 2) continue;
+        if (size[along] < 2) continue;
         // Of the other two dimensions, `outer` is divided among the threads.
         const std::size_t inner = along == 0 ? 1 : 0, outer = along == 2 ? 1 : 2;
         const bool ring = columns.ring(along);
         const auto still = ring ? static_cast<std::ptrdiff_t>(static_cast<std::size_t>(turn) *
-                                                              size_[along] / 2 % size_[along])
+                                                              size[along] / 2 % size[along])
                                 : -1;
         // In a ring of odd length, the last lines are neighbours of the first: they take turns of
         // their own.
         const auto odd = [&](std::size_t d) {
-            return d != along && columns.ring(d) && size_[d] % 2 != 0;
+            return d != along && columns.ring(d) && size[d] % 2 != 0;
         };
         const auto last_of = [&](std::size_t d, std::size_t at) {
-            return odd(d) && at + 1 == size_[d];
+            return odd(d) && at + 1 == size[d];
         };
         const std::size_t rings = (odd(inner) ? 1 : 0) + (odd(outer) ? 1 : 0);
         for (std::size_t colour = 0; colour < std::size_t{2} << rings; ++colour)
-            tbb::parallel_for(std::size_t{0}, size_[outer], [&](std::size_t a) {
+            tbb::parallel_for(std::size_t{0}, size[outer], [&](std::size_t a) {
                 Line<stepping> line(strip_, seam);
-                for (std::size_t b = 0; b < size_[inner]; ++b) {
+                for (std::size_t b = 0; b < size[inner]; ++b) {
                     const std::size_t last_outer = last_of(outer, a) ? 2 : 0,
                                       last_inner = last_of(inner, b) ? (odd(outer) ? 4 : 2) : 0;
                     if ((a + b) % 2 + last_outer + last_inner != colour) continue;
-                    auto& is_settled = settled_[along][a * size_[inner] + b];
-                    if (is_settled != 0) continue;
-                    const auto& moved = line.improve(a * step[outer] + b * step[inner], step[along],
-                                                     size_[along], along, still);
-                    // Where a ring is opened matters, so it is looked at in each turn.
-                    if (moved.empty()) is_settled = ring ? 0 : 1;
-                    for (const auto c : moved) unsettle(c);
+                    line.improve(a * step[outer] + b * step[inner], step[along], size[along], along,
+                                 still);
                 }
             });
     }
 }
 
-void LineSweeps::operator()(std::vector<std::uint16_t>& seam, int turn) {
+void LineSweeps::operator()(std::vector<std::uint16_t>& seam, int turn) const {
     if (!strip_.steps()) sweep<Stepping::free>(seam, turn);
     else if (!strip_.steps().has_field()) sweep<Stepping::rigid>(seam, turn);
     else sweep<Stepping::field>(seam, turn);
