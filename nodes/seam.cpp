@@ -137,14 +137,15 @@ NodeType seam_pyramid() {
         "seam.pyramid",
         "Finds seams from coarse to fine, by messages in narrow strips. They are within half a "
         "percent of the least energy in real smoke and fire, and within one or two percent in "
-        "rougher energies. They are exact in images and small volumes, and never worse than those "
-        "of `seam.greedy`.");
+        "rougher energies. They are exact in images and small volumes; thin ones are never worse "
+        "than those of `seam.greedy`.");
     return declare_solver(node)
         .param("quality", &PyramidNode::Params::quality,
                "How often messages are passed to and fro at each resolution: once, several times, "
                "or many times. `best` also cuts narrow bands at all of them.")
         .param("starts", &PyramidNode::Params::starts, Unit::none, between(1, 4096),
-               "Number of greedy searches that compete; the cheapest seam of all wins.")
+               "Number of greedy searches that compete; the cheapest seam of all wins. Thick seams "
+               "have one.")
         .version(9);
 }
 

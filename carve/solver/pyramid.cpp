@@ -122,7 +122,7 @@ Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int n
         });
     auto least = cost_of(energy, best);
     const auto greedy = greedy_seam_within(
-        energy, window, number, starts_, least, [&](double) { alive(); },
+        energy, window, number, energy.slabs() ? 1 : starts_, least, [&](double) { alive(); },
         bounded ? bounds : nullptr);
     if (const auto cost = !greedy             ? least
                           : energy.attracts() ? cost_of(energy, greedy->at)

@@ -18,10 +18,10 @@ enum class Quality { draft, normal, best };
 /// are first solved at half, a quarter, ... of the resolution. The coarsest is cut as a whole
 /// (exactly, except with a field). From there each finer one is solved in a narrow strip around the
 /// coarser seam, by messages (search/strip_messages.h) and line sweeps (search/line_sweeps.h).
-/// Never worse than seam.greedy: the greedy seam competes with the coarse one.
+/// Thin seams are never worse than those of seam.greedy: its searches compete with the coarse one.
 class Pyramid {
 public:
-    /// @param starts  number of greedy searches
+    /// @param starts  number of greedy searches; for slabs it is 1
     Pyramid(Quality quality, int starts) : quality_(quality), starts_(starts) {}
 
     /// A FindSeam. Bounds, if there are some, are found beside the search from coarse to fine, and

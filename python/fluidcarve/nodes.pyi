@@ -1285,7 +1285,7 @@ class SeamFamily:
         """
         Finds seams from coarse to fine, by messages in narrow strips. They are within half a percent of the least
         energy in real smoke and fire, and within one or two percent in rougher energies. They are exact in images and
-        small volumes, and never worse than those of `seam.greedy`.
+        small volumes; thin ones are never worse than those of `seam.greedy`.
         """
     def python(
         self,
