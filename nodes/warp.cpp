@@ -1,5 +1,6 @@
 #include "nodes/warp.h"
 
+#include "carve/solver/costs/width.h"
 #include "carve/solver/task/gathered_energy.h"
 #include "carve/solver/task/space.h"
 #include "carve/solver/task/task.h"
@@ -20,6 +21,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -120,7 +122,9 @@ SolverParams gathering_params(const WarpParams& params) {
 
 struct WarpSolve {
     using Params = WarpParams;
-    using Ports = SeamNode::Ports;
+    struct Ports : SeamNode::Ports {
+        Optional<FloatGrid> content;
+    };
 
     static void check(const Params& params, NodeCheck& check) { check_params(params, check); }
 
@@ -144,9 +148,12 @@ struct WarpSolve {
                                                Context& context) {
         // The first frame tells, before all others are read. What is left after other seams is
         // known only later.
-        if (context.place() == 0 && io.after.empty() && !states_nothing(params))
-            require_fits(params, amount_of(params), io.lattice->shape, io.lattice->closed,
-                         context.frames(), "");
+        if (context.place() == 0 && io.after.empty() && !states_nothing(params)) {
+            // What percentages of the content are is known when all frames are.
+            const auto stated = amount_of(params);
+            require_fits(params, io.content ? stated.in_vertices(0) : stated, io.lattice->shape,
+                         io.lattice->closed, context.frames(), "");
+        }
         if (context.place() == 0 && !states_nothing(params))
             require_ends(gathering_params(params), *io.lattice);
         const auto mask = [](const Ref<AnyGrid>& port) {
@@ -154,14 +161,17 @@ struct WarpSolve {
         };
         const FrameGrids grids{*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
         require_frame_fits(grids, *io.lattice, context.memory_budget());
-        return std::make_shared<FrameEnergy>(
+        const auto out = std::make_shared<FrameEnergy>(
             sample_frame(grids, io.lattice, params.axis, Measure::vertex));
+        if (io.content) out->width = width_in(*io.content, *io.lattice, params.axis);
+        return out;
     }
 
     void add(const Params& params, const Ref<FrameEnergy>& frame, Context& context) {
         gathered_.add(gathering_params(params), *frame,
                       {context.frame(), context.place(), context.frames().size()},
                       context.limits());
+        if (frame->width.value_or(0) > 0) widths_.push_back(*frame->width);
     }
 
     /// Takes a warp that was found before, if it is not linear: it may be the one that is wanted.
@@ -172,7 +182,11 @@ struct WarpSolve {
 
     void finish(const Params& params, Ports& io, Context& context) {
         const CarvedSpace space(gathered_.lattices(), io.after, context.frames());
-        const auto amount = amount_left(params, amount_of(params), space);
+        auto amount = amount_of(params);
+        if (!widths_.empty())
+            amount = amount.in_vertices(std::accumulate(widths_.begin(), widths_.end(), 0.0) /
+                                        static_cast<double>(widths_.size()));
+        amount = amount_left(params, amount, space);
         const bool nothing = amount.nothing();
         const auto shape = space.shape();
         if (!nothing) {
@@ -203,7 +217,7 @@ struct WarpSolve {
     static std::string rest(const Params& params) {
         if (!params.amount) return "of a file";
         if (params.rest) return "rest of " + text_of(*params.amount);
-        if (params.amount->varies()) return text_of(*params.amount);
+        if (one_of_a_kind(*params.amount)) return text_of(*params.amount);
         return params.pair_window ? params.amount->whole.value < 0 ? "squeezes" : "draws out" : "";
     }
     static Extent extent(const Payload& result) {
@@ -217,7 +231,7 @@ struct WarpSolve {
     }
     static std::size_t wanted(const Params& params, std::size_t vertices) {
         if (states_nothing(params)) return Reach::nothing;
-        return !params.amount || params.amount->varies() || params.rest
+        return !params.amount || one_of_a_kind(*params.amount) || params.rest
                    ? Reach::one_amount
                    : Reach::of(in_steps(params.amount->whole.of(static_cast<int>(vertices))),
                                params.pair_window.has_value());
@@ -237,6 +251,11 @@ struct WarpSolve {
     }
 
 private:
+    /// Whether an amount has a result of its own. A percentage may count content, and a curve varies.
+    static bool one_of_a_kind(const WarpAmount& amount) {
+        return amount.varies() || amount.has_percent();
+    }
+
     static Seams empty_set(const Params& params, const CarvedSpace& space) {
         SeamTask task;
         task.axis = params.axis;
@@ -333,7 +352,7 @@ private:
             context.progress(done);
         });
         // A curve holds for itself alone, and so does what others leave of an amount.
-        if (amount.varies() || params.rest) warp.set_linear(false);
+        if (!params.amount || one_of_a_kind(*params.amount) || params.rest) warp.set_linear(false);
         if (!set.pair_window) warp.hold(params.anchor);
         warp.find_bounds();
         auto report = report_of(set, params, &amount);
@@ -350,8 +369,9 @@ private:
     }
 
     GatheredEnergy gathered_;
-    Ref<Seams> before_;  ///< found by an earlier run
-    Json entry_;         ///< its report
+    std::vector<int> widths_;  ///< of the content, frame by frame
+    Ref<Seams> before_;        ///< found by an earlier run
+    Json entry_;               ///< its report
 };
 
 }  // namespace
@@ -384,13 +404,17 @@ NodeType warp_solve() {
             "after", &Ports::after,
             "Sets of seams, or warps, of this lattice that are carved before, in order. The warp "
             "is found in the space that they leave; windows and amounts count its vertices.")
+        .input("content", &Ports::content,
+               "What percentages of `amount` count: how wide this is in the lattice, in the "
+               "median of all planes that show it. Inside of a level set, or where another grid "
+               "exceeds 2 % of its greatest value. Left out, they count the lattice's vertices.")
         .param("axis", &Params::axis,
                "The dimension of the lattice that shrinks or grows: u or v, across the rig; w, "
                "along it.")
         .param(
             "amount", &Params::amount, Unit::vertices, any_number(),
             "By how much the lattice grows along the axis: negative shrinks. A number of vertices, "
-            "such as -7.25, or N%, a share of the vertices along the axis. Or a curve, {along: w, "
+            "such as -7.25, or N%, a share of the width of `content`. Or a curve, {along: w, "
             "at: [[0, 0], [0.4, -12], [1, -12]]}: amounts at places along the lattice, from 0, the "
             "first plane, to 1, the last one; with `along: time`, at frame numbers. Between its "
             "points a curve is linear, beyond them constant. `over: [[1001, 0], [1024, 1]]` in it "
@@ -436,7 +460,7 @@ NodeType warp_solve() {
                "and is linear between. auto takes the lowest that makes at most 64 million points; "
                "the report tells it.")
         .output("seams", &Ports::seams, "The warp; all that takes seams takes it.")
-        .digests({"energy", "lattice", "field", "protect", "attract", "axis"})
+        .digests({"energy", "lattice", "field", "protect", "attract", "content", "axis"})
         .grows({"amount",
                 [params_of](const void* params) { return WarpSolve::rest(params_of(params)); },
                 &WarpSolve::extent,
@@ -446,7 +470,7 @@ NodeType warp_solve() {
                 &WarpSolve::first, nullptr, "amount"})
         .in_place()
         .kept()
-        .version(2);
+        .version(3);
 }
 
 }  // namespace fluidcarve

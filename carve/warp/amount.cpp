@@ -40,6 +40,26 @@ bool WarpAmount::nothing() const {
            }));
 }
 
+WarpAmount WarpAmount::in_vertices(double size) const {
+    auto out = *this;
+    const auto count = [size](Length& length) {
+        if (length.percent) length = {length.value / 100 * size, false};
+    };
+    count(out.whole);
+    for (auto& point : out.points) count(point.amount);
+    for (auto& section : out.sections)
+        for (auto& point : section.points) count(point.amount);
+    return out;
+}
+
+bool WarpAmount::has_percent() const {
+    const auto percent = [](const Point& point) { return point.amount.percent; };
+    return whole.percent || std::ranges::any_of(points, percent) ||
+           std::ranges::any_of(sections, [&](const Section& section) {
+               return std::ranges::any_of(section.points, percent);
+           });
+}
+
 double WarpAmount::at(double w, double frame, int size) const {
     if (!varies()) return whole.of(size);
     const auto length = [size](const Point& point) { return point.amount.of(size); };

@@ -11,7 +11,8 @@
 namespace fluidcarve {
 
 /// By how much a warp makes a lattice longer along its axis: a number of vertices, which need not
-/// be whole, or a percentage of the vertices along the axis. Negative makes it shorter. A curve
+/// be whole, or a percentage of the vertices along the axis, or of what is shown there. Negative
+/// makes it shorter. A curve
 /// (METHOD 11 "Ramps") states other amounts at other planes or frames; a file may state another
 /// curve along the lattice for each of several frames.
 struct WarpAmount {
@@ -55,6 +56,10 @@ struct WarpAmount {
     }
     /// Whether nothing is to be done.
     bool nothing() const;
+    /// The same with all percentages in vertices. @param size  what they count, vertices
+    WarpAmount in_vertices(double size) const;
+    /// Whether any part of it is a percentage.
+    bool has_percent() const;
     /// The amount of a plane in a frame, vertices.
     /// @param w     place of the plane along the lattice, 0 to 1
     /// @param size  vertices along the axis

@@ -29,6 +29,7 @@ void put_frame(const FrameEnergy& frame, BinaryWriter& to) {
             to.bytes(corner.asPointer(), 3 * sizeof(double));
     to.value(frame.content.voxels);
     to.value(frame.content.inside);
+    to.optional(frame.width);
 }
 
 void get_frame(FrameEnergy& out, BinaryReader& from) {
@@ -57,6 +58,7 @@ void get_frame(FrameEnergy& out, BinaryReader& from) {
     }
     out.content.voxels = from.value<std::uint64_t>();
     out.content.inside = from.value<double>();
+    out.width = from.optional<int>();
 }
 
 }  // namespace
@@ -64,7 +66,7 @@ void get_frame(FrameEnergy& out, BinaryReader& from) {
 void add_frame_energy_payload(Registry& registry) {
     const auto& lattice = registry.payload(typeid(Lattice));
     Filed<FrameEnergy> filed;
-    filed.version = 4 + lattice.version;  // raising either version raises the sum
+    filed.version = 5 + lattice.version;  // raising either version raises the sum
     filed.write = [lattice](const FrameEnergy& frame, std::ostream& stream) {
         lattice.write(Payload(frame.lattice), stream);
         BinaryWriter to(stream);

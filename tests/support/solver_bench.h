@@ -47,7 +47,7 @@ struct Solved {
     Listener listener;
 };
 
-/// By input: masks, or the field.
+/// By input: masks, or the field, or the content.
 using Grids = std::map<std::string, std::vector<openvdb::GridBase::ConstPtr>>;
 
 /// Another way to run a solver.
@@ -85,7 +85,7 @@ inline Solved solve(NodeType type, const std::string& yaml,
         inputs["lattice"] = {Payload(std::make_shared<Lattice>(of(lattices, t)))};
         for (const auto& [name, of_input] : grids) {
             const auto grid = of(of_input, t);
-            if (name == "field")
+            if (name == "field" || name == "content")
                 inputs[name] = {Payload(openvdb::gridConstPtrCast<FloatGrid>(grid))};
             else inputs[name] = {Payload(std::make_shared<AnyGrid>(AnyGrid{grid}))};
         }

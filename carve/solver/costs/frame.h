@@ -31,6 +31,8 @@ struct FrameEnergy {
     /// World box of the energy's active voxels; nothing: none.
     std::optional<openvdb::BBoxd> active;
     Content content;  ///< of the energy: how much of it lies in the lattice
+    /// width_in() of what percentages count; nothing: they count the lattice's vertices.
+    std::optional<int> width;
 };
 
 /// The grids of one frame from which a solver's energy is made; null: not connected.

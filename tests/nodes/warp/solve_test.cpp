@@ -110,7 +110,7 @@ TEST_CASE("a kept warp answers other amounts as a search of their own would, bit
     const auto kept = warp("{amount: -1.5}");
     REQUIRE(kept.seams->warp->linear());
     const auto extent = growth().extent(Payload(kept.seams));
-    for (const std::string amount : {"-0.7", "30%", "0.125"}) {
+    for (const std::string amount : {"-0.7", "7.2", "0.125"}) {
         const auto yaml = "{amount: " + amount + "}";
         REQUIRE(extent.count >= wanted(yaml));
         const auto own = warp(yaml);
@@ -124,7 +124,10 @@ TEST_CASE("a kept warp answers other amounts as a search of their own would, bit
     // Not one that is too tight for it, nor a curve; nothing at all is answered by anything.
     CHECK(extent.count < wanted("{amount: -20}"));
     CHECK(growth().rest(NodeBench(warp_solve(), "{amount: -3}").params()) ==
-          growth().rest(NodeBench(warp_solve(), "{amount: 30%}").params()));
+          growth().rest(NodeBench(warp_solve(), "{amount: 30}").params()));
+    // A percentage may count content, which is known later.
+    CHECK(growth().rest(NodeBench(warp_solve(), "{amount: -3}").params()) !=
+          growth().rest(NodeBench(warp_solve(), "{amount: -30%}").params()));
     CHECK(growth().rest(NodeBench(warp_solve(), "{amount: {along: w, at: [[0, -3]]}}").params()) !=
           growth().rest(NodeBench(warp_solve(), "{amount: -3}").params()));
     auto entry = kept.listener.entry;
@@ -343,6 +346,22 @@ TEST_CASE("what warp.solve can't do is told with its place, its fault and a reme
                Contains("no amount is possible: in frame 5 column (0 to 23, 0, 0)") &&
                    Contains("has 0 of 23 intervals that are not protected") &&
                    Contains("protect less"));
+}
+
+TEST_CASE("a percentage counts the content where there is one, else the lattice") {
+    // Ten vertices wide, in four of five rows and in five of six planes.
+    const auto content =
+        energy_grid(CoordBBox(Coord(6, 0, 0), Coord(15, 3, 4)), [](const Coord&) { return 1.0f; });
+    const auto narrower = warp("{amount: -30%}", {{"content", {content}}});
+    CHECK(narrower.listener.entry["amount"] == -3);
+    CHECK(warp("{amount: -25%}").listener.entry["amount"] == -6);
+    CHECK(warp("{amount: {along: time, at: [[5, 0], [7, -50%]]}}", {{"content", {content}}})
+              .listener.entry["amounts"] == nlohmann::ordered_json({-5, 0}));
+    // Where nothing is shown, there is no width.
+    CHECK(warp("{amount: -25%}", {{"content", {FloatGrid::create(0)}}}).listener.entry["amount"] ==
+          -6);
+    CHECK_THROWS_WITH(warp("{amount: -900%}", {{"content", {content}}}),
+                      Catch::Contains("squeezes"));
 }
 
 TEST_CASE("a bad amount is refused before the run") {

@@ -1,0 +1,45 @@
+#include "carve/solver/costs/width.h"
+
+#include <openvdb/tools/Count.h>
+#include <openvdb/tools/Interpolation.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace fluidcarve {
+
+int width_in(const FloatGrid& grid, const Lattice& lattice, Axis axis) {
+    const bool level_set = grid.getGridClass() == openvdb::GRID_LEVEL_SET;
+    constexpr float visible = 0.02f;
+    const float edge = level_set ? 0 : visible * openvdb::tools::minMax(grid.constTree()).max();
+    const auto entries = lattice.shape[dimension(axis)],
+               laterals = lattice.shape[lateral_dimension(axis)],
+               slices = lattice.shape[slice_dimension(axis)];
+    std::vector<int> widths(static_cast<std::size_t>(slices));
+    tbb::parallel_for(0, slices, [&](int slice) {
+        const auto accessor = grid.getConstAccessor();
+        const openvdb::tools::GridSampler<FloatGrid::ConstAccessor, openvdb::tools::BoxSampler>
+            values(accessor, grid.transform());
+        const auto shows = [&](int entry, int lateral) {
+            const auto vertex = vertex_of(axis, entry, lateral, slice);
+            const float value =
+                values.wsSample(lattice.position(openvdb::Vec3d(vertex[0], vertex[1], vertex[2])));
+            return level_set ? value < edge : value > edge;
+        };
+        for (int entry = 0; entry < entries; ++entry) {
+            bool any = false;
+            for (int lateral = 0; lateral < laterals && !any; ++lateral)
+                any = shows(entry, lateral);
+            widths[static_cast<std::size_t>(slice)] += any ? 1 : 0;
+        }
+    });
+    std::erase(widths, 0);
+    if (widths.empty()) return 0;
+    const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+    std::ranges::nth_element(widths, middle);
+    return *middle;
+}
+
+}  // namespace fluidcarve
