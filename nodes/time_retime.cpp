@@ -13,6 +13,8 @@
 #include "graph/types/node_type.h"
 #include "nodes/params/pace_params.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <memory>
@@ -36,13 +38,7 @@ public:
         Ref<Volume> volume;
     };
 
-    static void check(const Params& params, NodeCheck& check) {
-        check_pace(params, check);
-        if (check.connections("velocity") == 0)
-            check.warn("velocity",
-                       "without a 'velocity', frames between those of the source are found by what "
-                       "is seen alone: connect it if there is one");
-    }
+    static void check(const Params& params, NodeCheck& check) { check_pace(params, check); }
     static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) {
         return Pace(params, frames).frames();
     }
@@ -53,7 +49,16 @@ public:
 
     void finish(const Params& params, Ports&, Context& context) {
         pace_.emplace(params, source_.numbers());
-        if (!source_.has_velocity() || source_.size() < 2) return;
+        if (!source_.has_velocity()) {
+            for (const auto& grid : source_.at(0).volume.grids)
+                if (grid.header().isType<VectorGrid>())
+                    context.warn(fmt::format(
+                        "'velocity' is not connected, so that motion is found by what is seen "
+                        "alone; connect '{}' if it is the velocity",
+                        grid.name()));
+            return;
+        }
+        if (source_.size() < 2) return;
         scale_ = params.scale ? *params.scale : found_scale(context);
         context.report("retime", {{"scale", scale_}});
     }
@@ -70,7 +75,9 @@ public:
                 motion =
                     motion_between(shown->first, shown->second,
                                    scale_ * frames_behind(moment.place), context.memory_budget());
-            else
+            else if (std::ranges::any_of(a.volume.grids, [](const VolumeGrid& grid) {
+                         return grid.header().isType<FloatGrid>();
+                     }))
                 context.warn(
                     "no float grid shows where things move to: frames between those of the source "
                     "are blended");

@@ -251,7 +251,7 @@ struct WarpSolve {
     }
 
 private:
-    /// Whether an amount has a result of its own. A percentage may count content, and a curve varies.
+    /// Whether an amount has a result of its own: a percentage may count content.
     static bool one_of_a_kind(const WarpAmount& amount) {
         return amount.varies() || amount.has_percent();
     }

@@ -26,7 +26,7 @@ struct Effort {
     int sweeps;  ///< along all lines of columns, at each level; in rings each is opened elsewhere
 };
 
-constexpr Effort normal_effort{std::size_t{1} << 18, 0, 8, 2},
+constexpr Effort normal_effort{std::size_t{1} << 18, 0, 16, 2},
     best_effort{std::size_t{1} << 18, 0, 32, 4};
 
 /// With a field, each cut and sweep takes several times as long, and seams of less energy look no

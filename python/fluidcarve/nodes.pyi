@@ -1574,6 +1574,7 @@ class WarpFamily:
         protect: Source = ...,
         attract: Source = ...,
         after: Source | Sequence[Source] = ...,
+        content: Source = ...,
         axis: Literal["u", "v", "w"] | Param = ...,
         amount: Mapping[str, Any] | bool | float | str | Param = ...,
         amount_file: str | Param = ...,

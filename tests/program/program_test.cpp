@@ -56,8 +56,9 @@ TEST_CASE("every shipped pipeline opens with its purpose, is good, and runs", "[
         const Scratch scratch;
         const auto own_params = [&] {
             const auto all =
-                into(scratch,
-                     text.find("image.write") == std::string::npos ? "out.####.vdb" : "out.png") +
+                into(scratch, text.find("image.write") == std::string::npos ? "out.####.vdb"
+                              : text.find("####.png") == std::string::npos  ? "out.png"
+                                                                            : "out.####.png") +
                 others_into(scratch, text);
             static const std::regex seams(R"(--set seams=\S+)");
             return text.find("\n  seams:") == std::string::npos ? std::regex_replace(all, seams, "")
