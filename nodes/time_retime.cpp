@@ -203,10 +203,12 @@ public:
 
     void finish(const Params& params, Ports&, Context& context) {
         source_.finish(params);
-        const auto first = source_.at(0);
-        motion_.velocity = velocity_name(*first);
+        // Particles may be born later than the first frame.
+        auto some = source_.at(0);
+        for (std::size_t n = 1; some->size() == 0 && n < source_.size(); ++n) some = source_.at(n);
+        motion_.velocity = velocity_name(*some);
         if (motion_.velocity.empty()) {
-            if (!first->has_ids())
+            if (some->size() > 0 && !some->has_ids())
                 context.warn(
                     "the points have neither a whole number `id` nor a velocity, so that "
                     "nothing says where they move to: between frames of the source they "
@@ -243,9 +245,10 @@ private:
         for (std::size_t n = 0; n < count; ++n) {
             context.check_cancelled();
             const auto place = (2 * n + 1) * gaps / (2 * count);
-            found.push_back(
-                point_scale(*source_.at(place), *source_.at(place + 1), motion_.velocity) /
-                source_.frames_behind(place));
+            const double scale =
+                point_scale(*source_.at(place), *source_.at(place + 1), motion_.velocity);
+            // Frames without points, or in which nothing moves, say nothing.
+            if (scale != 0) found.push_back(scale / source_.frames_behind(place));
         }
         std::ranges::sort(found);
         return found.empty() ? 0 : found[found.size() / 2];

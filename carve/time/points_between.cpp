@@ -28,6 +28,8 @@ struct Cloud {
 
     Cloud(const Points& points, const std::string& name)
         : at(points.positions()), velocity(vectors_of(points, name)) {
+        for (auto& each : velocity)
+            if (!openvdb::math::isFinite(each)) each = Vec3d(0);
         if (!points.has_ids()) return;
         const auto identities = points.identities();
         for (std::size_t n = 0; n < identities.size(); ++n) ids.emplace_back(identities[n], n);

@@ -16,7 +16,7 @@ struct PointMotion {
 /// place to place along its velocities. One that only one of them has appears, or vanishes, at a
 /// moment of its own, so that their number changes evenly. Without ids, the points are those of the
 /// nearer frame, moved along their velocities. Attributes are those of the nearer frame; velocities
-/// of points that both have lie between.
+/// of points that both have lie between. A velocity that is not finite counts as 0.
 /// @param share  of the way from `a` to `b`, between 0 and 1
 Points points_between(const Points& a, const Points& b, double share, const PointMotion& motion);
 

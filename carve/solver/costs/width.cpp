@@ -1,5 +1,7 @@
 #include "carve/solver/costs/width.h"
 
+#include "carve/solver/costs/prices.h"
+
 #include <openvdb/tools/Count.h>
 #include <openvdb/tools/Interpolation.h>
 #include <tbb/parallel_for.h>
@@ -12,8 +14,8 @@ namespace fluidcarve {
 
 int width_in(const FloatGrid& grid, const Lattice& lattice, Axis axis) {
     const bool level_set = grid.getGridClass() == openvdb::GRID_LEVEL_SET;
-    constexpr float visible = 0.02f;
-    const float edge = level_set ? 0 : visible * openvdb::tools::minMax(grid.constTree()).max();
+    const float edge =
+        level_set ? 0 : Typical::content_share * openvdb::tools::minMax(grid.constTree()).max();
     const auto entries = lattice.shape[dimension(axis)],
                laterals = lattice.shape[lateral_dimension(axis)],
                slices = lattice.shape[slice_dimension(axis)];

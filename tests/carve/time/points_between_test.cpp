@@ -131,6 +131,16 @@ TEST_CASE("without ids, points of the nearer frame move along velocities whose s
     }
 }
 
+TEST_CASE("a velocity that is not finite moves nothing") {
+    const double nan = std::nan("");
+    const auto a = flowing({Vec3d(0), Vec3d(1)}, {Vec3d(nan), Vec3d(2)}),
+               b = flowing({Vec3d(1), Vec3d(2)}, {Vec3d(nan), Vec3d(2)});
+    CHECK(point_scale(a, b, "v") == Approx(0.5));
+    const auto at = places(points_between(a, b, 0.25, {"v", 0.5}));
+    CHECK((at.at(0) - Vec3d(0.25)).length() < 1e-9);
+    CHECK((at.at(1) - Vec3d(1.25)).length() < 1e-9);
+}
+
 TEST_CASE("points of other attributes are those of the nearer frame alone") {
     const auto a = flowing({Vec3d(0)}, {Vec3d(1)}), b = points_at({Vec3d(1), Vec3d(2)});
     CHECK(!alike(a, b));
