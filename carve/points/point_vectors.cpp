@@ -122,8 +122,9 @@ Points with_vectors(const Points& points, const std::string& name,
         out.ply = std::move(table);
         return out;
     }
-    const auto grid = static_cast<const PointDataGrid&>(*points.grid).deepCopy();
-    each_leaf(grid->tree(), name, [&](auto& leaf, std::size_t place, std::size_t first) {
+    const auto tree =
+        std::make_shared<PointDataTree>(static_cast<const PointDataGrid&>(*points.grid).tree());
+    each_leaf(*tree, name, [&](auto& leaf, std::size_t place, std::size_t first) {
         auto& array = leaf.attributeArray(place);
         array.expand();
         const auto write = [&]<class Vector>(Vector) {
@@ -133,6 +134,11 @@ Points with_vectors(const Points& points, const std::string& name,
         if (array.valueType() == openvdb::typeNameAsString<Vec3f>()) write(Vec3f{});
         else write(Vec3d{});
     });
+    // Share the transform: a copy of a map moves points by a rounding.
+    const auto grid =
+        std::const_pointer_cast<openvdb::GridBase>(points.grid->copyGridReplacingTransform(
+            std::const_pointer_cast<openvdb::math::Transform>(points.grid->transformPtr())));
+    grid->setTree(tree);
     out.grid = grid;
     return out;
 }
