@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 #include <openvdb/tools/Filter.h>
-#include <openvdb/tools/LevelSetUtil.h>
+#include <openvdb/tools/RayIntersector.h>
 #include <openvdb/tools/RayTracer.h>
 #include <openvdb/tools/ValueTransformer.h>
 #include <openvdb/tree/LeafManager.h>
@@ -46,6 +46,12 @@ constexpr std::array<double, 3> fire_colour{1, 0.32, 0.06};
 constexpr double light_right = -0.75;
 constexpr double light_up = 0.6;
 constexpr double light_front = 0.32;
+// Of water: the light's height over the picture, low enough to tell slopes from calm places; and
+// highlights.
+constexpr double raking_front = 0.35;
+constexpr double diffuse_light = 0.8, surface_ambient = 0.04, highlight = 0.5;
+constexpr int shininess = 24;
+constexpr int samples = 3;  // along a pixel's sides: outlines are smooth
 // Steps along a ray, in voxels. They are longer in large boxes, so that time does not grow with the
 // third power of the side.
 constexpr double view_step = 1;
@@ -145,6 +151,46 @@ Film lit(const FloatGrid& smoke, const ViewWindow& window) {
     return film;
 }
 
+/// The surface of a level set, seen by its slopes.
+Film lit_surface(const FloatGrid& water, const ViewWindow& window) {
+    Film film(window.width, window.height);
+    const auto camera = window.camera(film);
+    const auto distances = FloatGrid::create(water.background());
+    distances->setTree(water.tree().copy());
+    distances->setGridClass(openvdb::GRID_LEVEL_SET);
+    using Surface = openvdb::tools::LevelSetRayIntersector<FloatGrid>;
+    const Surface surface(*distances);
+    const auto light = (light_right * window.right + light_up * window.up +
+                        raking_front * window.towards)
+                           .unit(),
+               middle = (light + window.towards).unit();
+    const auto seen = [&](const Vec3d& normal) {
+        return surface_ambient + diffuse_light * std::max(0.0, normal.dot(light)) +
+               highlight * std::pow(std::max(0.0, normal.dot(middle)), shininess);
+    };
+    tbb::parallel_for(tbb::blocked_range<int>(0, window.height), [&](const auto& rows) {
+        const Surface hits(surface);
+        Vec3d place, normal;
+        for (int y = rows.begin(); y < rows.end(); ++y)
+            for (int x = 0; x < window.width; ++x) {
+                double brightness = 0;
+                int hit = 0;
+                for (int n = 0; n < samples * samples; ++n) {
+                    const auto ray = camera.getRay(x, y, (n % samples + 0.5) / samples,
+                                                   (n / samples + 0.5) / samples);
+                    if (!hits.intersectsWS(ray, place, normal)) continue;
+                    ++hit;
+                    brightness += seen(normal);
+                }
+                constexpr double all = samples * samples;
+                auto& pixel = film.pixel(static_cast<std::size_t>(x), static_cast<std::size_t>(y));
+                pixel.r = pixel.g = pixel.b = static_cast<float>(brightness / all);
+                pixel.a = static_cast<float>(hit / all);
+            }
+    });
+    return film;
+}
+
 /// Light of the fire on the smoke around it: the blurred fire.
 FloatGrid::Ptr fire_light_in(const FloatGrid& fire, const FloatGrid& smoke, double side) {
     auto out = FloatGrid::create();
@@ -215,31 +261,13 @@ double of_screen(double value) { return std::pow(value / 255, 2.2); }
 
 openvdb::CoordBBox Scene::box() const {
     openvdb::CoordBBox out;
-    for (const auto& grid : {smoke, fire})
+    for (const auto& grid : {smoke, fire, water})
         if (grid) {
             const auto active = grid->evalActiveVoxelBoundingBox();
             if (!active.empty()) out.expand(active);
         }
     return out;
 }
-
-namespace {
-
-/// What is rendered of a grid: of a level set all that is inside, 1 from a voxel below the surface
-/// on; of others their values.
-FloatGrid::ConstPtr seen(const FloatGrid::ConstPtr& grid) {
-    if (grid->getGridClass() != openvdb::GRID_LEVEL_SET) return grid;
-    const auto out = grid->deepCopy();
-    openvdb::tools::sdfToFogVolume(*out);
-    // It rises over the width of the narrow band.
-    const auto band = grid->background() / static_cast<float>(grid->voxelSize().x());
-    openvdb::tools::foreach (out->beginValueOn(), [band](const FloatGrid::ValueOnIter& at) {
-        at.setValue(std::min(1.0f, band * *at));
-    });
-    return out;
-}
-
-}  // namespace
 
 bool glows(const std::string& name) {
     return name == "flame" || name == "temperature" || name == "heat";
@@ -253,10 +281,11 @@ Scene scene_of(const Volume& volume, const std::string& input,
             fmt::format("grid '{}' of '{}' holds {} values; 'show: render' needs floats: name "
                         "another grid, or choose 'show: maximum'",
                         shown->getName(), input, shown->valueType()));
+    if (grid->getGridClass() == openvdb::GRID_LEVEL_SET) return {nullptr, nullptr, {}, grid};
     const bool burns = glows(shown->getName());
     const auto other =
         openvdb::gridConstPtrCast<FloatGrid>(volume.find(burns ? "density" : "flame"));
-    Scene out{seen(grid), nullptr, {}};
+    Scene out{grid, nullptr, {}};
     if (other && other->transform() == grid->transform()) out.fire = other;
     else if (other) out.left_out = other->getName();
     if (burns) std::swap(out.smoke, out.fire);
@@ -282,6 +311,7 @@ Render render(const Scene& scene, View view, const openvdb::CoordBBox& box,
 
     std::optional<Film> film;
     if (smoke) film.emplace(lit(*smoke, window));
+    else if (scene.water && !scene.water->empty()) film.emplace(lit_surface(*scene.water, window));
     std::vector<Glow> shine(count);
     if (fire) shine = glow(*fire, smoke.get(), window, exposure.gain);
     const double daylight = exposure.fire > 0 ? by_fire : 1;

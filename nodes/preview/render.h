@@ -7,13 +7,14 @@
 
 namespace fluidcarve {
 
-/// The grids of a volume that are rendered. Either may be null; both have the same transform.
+/// The grids of a volume that are rendered. Any may be null; all have the same transform.
 struct Scene {
     FloatGrid::ConstPtr smoke;
     FloatGrid::ConstPtr fire;
     std::string left_out;  ///< name of a grid that is not rendered because it has another transform
+    FloatGrid::ConstPtr water = nullptr;  ///< a level set; the others are then null
 
-    /// Index box of the active voxels of both grids.
+    /// Index box of the active voxels of all grids.
     openvdb::CoordBBox box() const;
 };
 
@@ -22,7 +23,7 @@ struct Scene {
 bool glows(const std::string& name);
 
 /// The shown grid and its counterpart, if the volume has it as a float grid: `flame` for smoke,
-/// `density` for fire. A level set is rendered as all that is inside, evenly thick.
+/// `density` for fire. A level set is rendered as the surface of water.
 /// @param input  the input's name, for messages
 /// @param shown  a grid of the volume
 /// @throws Failure if the shown grid holds no floats
@@ -53,9 +54,10 @@ struct Render {
 constexpr Colour render_background{74, 81, 94};
 
 /// Renders smoke, lit from the front at the upper left, with shadows, and fire that glows through
-/// it. Scenes are rendered in index space, so that the picture covers the same area as a projection
-/// of the same box. The light on the smoke is dimmer if the exposure includes fire. The result does
-/// not depend on the number of threads.
+/// it. Water is lit from the same side at a low angle, without shadows, so that waves show. Scenes
+/// are rendered in index space, so that the picture covers the same area as a projection of the
+/// same box. The light on the smoke is dimmer if the exposure includes fire. The result does not
+/// depend on the number of threads.
 /// @param box       index box that the picture shows, not empty; pictures to compare must use the
 ///   same
 /// @param exposure  pictures to compare must use the same; a medium with the value 0 is not

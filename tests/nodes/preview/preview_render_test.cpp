@@ -342,15 +342,17 @@ TEST_CASE("preview render: flame comes with the smoke, density with the fire") {
     CHECK(left.left_out == "flame");
 }
 
-TEST_CASE(
-    "preview render: of a level set all that is inside is shown, evenly thick, and nothing else") {
+TEST_CASE("preview render: a level set is water, whose slopes towards the light are brighter") {
     const auto ball =
         openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(9, openvdb::Vec3f(0), 1);
     const auto scene = scene_of({{ball}, {}, {}}, "before", ball);
-    for (const int x : {0, 3, 7}) CHECK(scene.smoke->tree().getValue({x, 0, 0}) == 1);
-    CHECK(scene.smoke->tree().getValue({10, 0, 0}) == 0);
-    CHECK(scene.box().max().x() <= 9);
-    CHECK(ball->tree().getValue({10, 0, 0}) == 1);
+    for (const auto view : {View::x, View::y, View::z}) {
+        const auto shown = render(scene, view, CoordBBox(Coord(-12), Coord(11)), {});
+        const double calm = brightness(shown, {{-1, -1}, {1, 1}});
+        CHECK(brightness(shown, {{-6, 3}, {-4, 5}}) > calm + 0.1);
+        CHECK(brightness(shown, {{4, -5}, {6, -3}}) < calm - 0.1);
+        CHECK(brightness(shown, {{-12, -12}, {-9, -9}}) == Approx(light(render_background)));
+    }
 }
 
 TEST_CASE("preview render: before and after share one window and the exposure of before") {
