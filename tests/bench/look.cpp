@@ -2,8 +2,8 @@
 //
 //   build/look [--no-loop] [--scene NAME]... [FOLDER] [OUT]
 //       all shipped scenes on plume/, vortex/, bonfire/, torch/, trail/ and images/ of the
-//                                                              folder (tests/data): OUT.md and
-//                                                              OUT.png (out/look)
+//                                                              folder (tests/data): OUT.md,
+//                                                              OUT.png, OUT_pairs.png (out/look)
 //
 // --scene NAME: only this pipeline; --no-loop: without the paper's method, which takes most of the
 // time.
@@ -23,17 +23,19 @@
 
 namespace {
 
-/// The scenes and their counts: about a fifth of the vertices along u, or as many as are shipped.
+/// The scenes and their counts along u. The first is a fifth, or what is shipped; the last two, as
+/// narrow and as wide as shots ask for, or as there is room for, are shown frame by frame.
 const std::vector<Scene> scenes{
-    {"plume", "sim", "plume/plume.####.vdb", {"density"}, {"-8", "-14", "+8", "+14", "+21"}},
+    {"plume", "sim", "plume/plume.####.vdb", {"density"}, {"-8", "+8", "+14", "-14", "+21"}},
+    {"plume", "sim", "plume_fine/plume.####.vdb", {"density"}, {"-20", "+20", "-33", "+49"}},
     {"plume_ax", "sim", "plume/plume.####.vdb", {"density"}, {"-8", "+8"}},
     {"plume_path", "sim", "plume/plume.####.vdb", {"density"}, {"-5", "+5"}},
-    {"vortex", "sim", "vortex/vortex.####.vdb", {"density"}, {"-6", "+6"}},
+    {"vortex", "sim", "vortex/vortex.####.vdb", {"density"}, {"-6", "+6", "-8", "+10"}},
     {"bonfire", "sim", "bonfire/bonfire.####.vdb", {"flame"}, {"-4", "+5"}},
     {"bonfire_hot", "sim", "bonfire/bonfire.####.vdb", {"density"}, {"-8", "+8"}},
     {"trail", "sim", "trail/trail.####.vdb", {"density"}, {"-3", "+3"}},
     {"torch", "sim", "torch/torch.####.vdb", {"flame"}, {"-10", "+10"}},
-    {"image", "photo", "images/*", {}, {"-20%", "+20%"}},
+    {"image", "photo", "images/*", {}, {"-20%", "+20%", "-33%", "+50%"}},
     {"image_ring", "photo", "images/chelsea.png", {"R", "G", "B"}, {"-8", "+12"}},
 };
 
@@ -221,20 +223,42 @@ Samples even_for(const Shot& shot, const Samples& result, const Samples& source,
     });
 }
 
-/// Measures a shot at one count. @return what is seen of it
-LookRow measure(const Shot& shot, const std::string& stated, bool loop, Table& table) {
+/// What is seen of a shot at one count.
+struct Seen {
+    LookRow contenders;          ///< in the middle frame
+    std::vector<LookRow> pairs;  ///< before, scaled evenly, shipped: frame by frame
+};
+
+constexpr std::size_t most_frames = 6;
+
+LookRow frame_by_frame(const std::string& title, const Samples& samples, const Shot& shot) {
+    LookRow out{title, {}, {}};
+    const auto shown = std::min(samples.frames, most_frames), first = (samples.frames - shown) / 2;
+    for (auto t = first; t < first + shown; ++t) {
+        out.samples.push_back(frame_of(samples, t));
+        out.names.push_back(shot.range
+                                ? fmt::format("frame {}", shot.range->first + static_cast<int>(t))
+                                : std::string());
+    }
+    return out;
+}
+
+/// Measures a shot at one count.
+Seen measure(const Shot& shot, const std::string& stated, bool loop, Table& table) {
     const auto& scene = shot.scene;
     const auto shipped = carve_as_shipped(shot, stated);
     const auto source = samples_before(scene, shipped);
     const int count = count_of(stated, static_cast<int>(source.shape[0])),
               grown = shipped.windows ? 0 : count;
-    LookRow out{fmt::format("{}, {:+}", shot.name, count), {middle_frame(source)}, {"before"}};
+    const auto middle = source.frames / 2;
+    const auto title = fmt::format("{}, {:+}", shot.name, count);
+    LookRow out{title, {frame_of(source, middle)}, {"before"}};
     const auto add = [&](const std::string& contender, const Samples& result) {
         const auto even = even_for(shot, result, source, shipped, count);
         table.add(shot.name, count, contender, looks_of(result, source, even, std::abs(count)));
-        out.samples.push_back(middle_frame(result));
+        out.samples.push_back(frame_of(result, middle));
         out.names.push_back(contender);
-        return middle_frame(even);
+        return even;
     };
     if (loop)
         add("the paper's",
@@ -244,10 +268,14 @@ LookRow measure(const Shot& shot, const std::string& stated, bool loop, Table& t
     add("warp", samples_after(scene, carve_by_warp(shot, stated), grown));
     if (const auto both = carve_by_both(shot, stated))
         add("both", samples_after(scene, *both, grown));
-    const auto even = add("shipped", samples_after(scene, shipped, grown));
-    out.samples.insert(out.samples.begin() + 1, even);
+    const auto result = samples_after(scene, shipped, grown);
+    const auto even = add("shipped", result);
+    out.samples.insert(out.samples.begin() + 1, frame_of(even, middle));
     out.names.insert(out.names.begin() + 1, "scaled evenly");
-    return out;
+    return {std::move(out),
+            {frame_by_frame(title + ": before", source, shot),
+             frame_by_frame(title + ": scaled evenly", even, shot),
+             frame_by_frame(title + ": shipped", result, shot)}};
 }
 
 void look(const std::vector<std::string>& wanted, bool loop, const std::string& folder,
@@ -255,7 +283,7 @@ void look(const std::vector<std::string>& wanted, bool loop, const std::string& 
     if (const auto above = std::filesystem::path(out).parent_path(); !above.empty())
         std::filesystem::create_directories(above);
     Table table(out + ".md");
-    std::vector<LookRow> rows;
+    std::vector<LookRow> rows, pairs;
     for (const auto& scene : scenes) {
         if (!wanted.empty() && std::ranges::find(wanted, scene.pipeline) == wanted.end()) continue;
         const auto shots = find_shots(scene, folder);
@@ -264,15 +292,18 @@ void look(const std::vector<std::string>& wanted, bool loop, const std::string& 
                        scene.files, folder);
         for (const auto& shot : shots)
             for (const auto* const count : scene.counts) {
-                auto row = measure(shot, count, loop, table);
-                if (count == scene.counts.front()) rows.push_back(std::move(row));
+                auto seen = measure(shot, count, loop, table);
+                if (count == scene.counts.front()) rows.push_back(std::move(seen.contenders));
+                if (count == scene.counts.back() || count == scene.counts.rbegin()[1])
+                    std::ranges::move(seen.pairs, std::back_inserter(pairs));
             }
     }
     if (rows.empty()) throw std::runtime_error("there is nothing to look at");
     table.add_means();
     if (!table.good()) throw std::runtime_error(out + ".md can't be written");
     draw_looks(rows, out + ".png");
-    fmt::print("\nwritten: {0}.md, {0}.png\n", out);
+    draw_looks(pairs, out + "_pairs.png");
+    fmt::print("\nwritten: {0}.md, {0}.png, {0}_pairs.png\n", out);
 }
 
 }  // namespace

@@ -80,11 +80,11 @@ DrawnRow drawn(const LookRow& row) {
 
 }  // namespace
 
-Samples middle_frame(const Samples& samples) {
+Samples frame_of(const Samples& samples, std::size_t t) {
     Samples out(1, samples.shape, samples.closed, samples.around);
     const auto size = out.values.size();
-    std::copy_n(samples.values.begin() + static_cast<std::ptrdiff_t>(size * (samples.frames / 2)),
-                size, out.values.begin());
+    std::copy_n(samples.values.begin() + static_cast<std::ptrdiff_t>(size * t), size,
+                out.values.begin());
     return out;
 }
 

@@ -2,18 +2,20 @@
 
 #include "tests/bench/similarity.h"
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
-/// A row of a picture of how carves look: what is seen of one frame, and what each is.
+/// A row of a picture of how carves look: what is seen, and what each is. All have the exposure of
+/// the first.
 struct LookRow {
     std::string title;
     std::vector<Samples> samples;  ///< of one frame each
     std::vector<std::string> names;
 };
 
-/// The middle frame of a sequence.
-Samples middle_frame(const Samples& samples);
+/// One frame of a sequence.
+Samples frame_of(const Samples& samples, std::size_t t);
 
 /// Draws rows below each other in a PNG, in lattice space: u to the right; w upwards, of flat
 /// lattices v, of images the image. Volumes are lit from above and seen along v.
