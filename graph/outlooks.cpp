@@ -1,50 +1,78 @@
-#include "runtime/run/outlooks.h"
+#include "graph/outlooks.h"
 
-#include <functional>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 namespace fluidcarve {
 namespace {
 
-/// Regions that are known, by node and output.
-using Regions = std::map<std::pair<std::size_t, std::size_t>, Region>;
+/// What is known of all outputs, by node and output.
+struct Known {
+    std::map<std::pair<std::size_t, std::size_t>, Region> regions;
+    std::map<std::size_t, OutputFacts> facts;  ///< by node
+};
 
 /// What one node knows of its inputs, and states of its outputs.
 class OutlookOf : public Outlook {
 public:
-    OutlookOf(const Node& node, const Regions& known) {
-        for (std::size_t i = 0; i < node.inputs.size(); ++i)
-            if (!node.inputs[i].empty())
-                inputs_[node.type->inputs[i].name] = together(node.inputs[i], known);
+    OutlookOf(std::size_t index, const Pipeline& pipeline, const Known& known, Outlooks& said)
+        : index_(index), said_(said) {
+        const auto& node = pipeline.nodes[index];
+        once_ = node.rate != Rate::frame && node.taken.frames().size() > 1;
+        for (std::size_t i = 0; i < node.inputs.size(); ++i) {
+            const auto& links = node.inputs[i];
+            if (links.empty()) continue;
+            Input input{together(links, known), {}};
+            for (const auto& link : links) {
+                const auto found = known.facts.find(link.node);
+                input.facts.push_back(found != known.facts.end() ? found->second : OutputFacts{});
+            }
+            inputs_[node.type->inputs[i].name] = std::move(input);
+        }
     }
 
     const Region* region(std::string_view input) const override {
         const auto found = inputs_.find(input);
-        return found != inputs_.end() && found->second ? &*found->second : nullptr;
+        return found != inputs_.end() && found->second.region ? &*found->second.region : nullptr;
     }
+    const std::vector<OutputFacts>& told(std::string_view input) const override {
+        static const std::vector<OutputFacts> none;
+        const auto found = inputs_.find(input);
+        return found != inputs_.end() ? found->second.facts : none;
+    }
+    bool once() const override { return once_; }
     void lies(const Region& region) override { outputs = region; }
-    void warn(const std::string& message) override { warnings.push_back(message); }
+    void tell(const OutputFacts& told) override { facts = told; }
+    void warn(const std::string& message) override { said_.warnings.push_back({index_, message}); }
+    void fault(const std::string& message) override { said_.faults.push_back({index_, message}); }
 
     /// Says that the outputs lie where all connected inputs lie together, if there are any and all
     /// are known.
     void pass_on() {
         Region all;
         for (const auto& [name, input] : inputs_) {
-            if (!input) return;
-            all.boxes.insert(all.boxes.end(), input->boxes.begin(), input->boxes.end());
+            if (!input.region) return;
+            all.boxes.insert(all.boxes.end(), input.region->boxes.begin(),
+                             input.region->boxes.end());
         }
         if (!inputs_.empty()) outputs = std::move(all);
     }
 
-    std::vector<std::string> warnings;
     std::optional<Region> outputs;
+    OutputFacts facts;  ///< of the outputs
 
 private:
-    static std::optional<Region> together(const std::vector<Link>& links, const Regions& known) {
+    struct Input {
+        std::optional<Region> region;  ///< nothing: not known
+        std::vector<OutputFacts> facts;
+    };
+
+    static std::optional<Region> together(const std::vector<Link>& links, const Known& known) {
         Region out;
         for (const auto& link : links) {
-            const auto found = known.find({link.node, link.output});
-            if (found == known.end()) return std::nullopt;
+            const auto found = known.regions.find({link.node, link.output});
+            if (found == known.regions.end()) return std::nullopt;
             if (links.size() == 1) return found->second;
             out.boxes.insert(out.boxes.end(), found->second.boxes.begin(),
                              found->second.boxes.end());
@@ -52,33 +80,37 @@ private:
         return out;
     }
 
-    /// Connected ones; nothing: not known.
-    std::map<std::string, std::optional<Region>, std::less<>> inputs_;
+    std::size_t index_;
+    bool once_ = false;
+    Outlooks& said_;
+    std::map<std::string, Input, std::less<>> inputs_;  ///< connected ones
 };
 
 }  // namespace
 
-void foresee(const Pipeline& pipeline, const Plan& plan, const Inputs& inputs, Report& report) {
-    Regions known;
+Outlooks foresee(const Pipeline& pipeline, const std::vector<bool>& needed,
+                 const ReadRegions& read) {
+    Outlooks out;
+    Known known;
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
-        if (!plan.needed[n]) continue;
-        if (const auto told = inputs.regions.find(n);
-            told != inputs.regions.end() && !told->second.empty()) {
+        if (!needed[n]) continue;
+        if (const auto told = read.find(n); told != read.end() && !told->second.empty()) {
             for (std::size_t output = 0; output < node.outputs.size(); ++output)
                 if (const auto found = told->second.find(node.outputs[output].name);
                     found != told->second.end())
-                    known[{n, output}] = found->second;
+                    known.regions[{n, output}] = found->second;
             continue;
         }
-        OutlookOf of(node, known);
+        OutlookOf of(n, pipeline, known, out);
         if (node.type->foresee) node.type->foresee(node.params.get(), of);
-        else of.pass_on();
-        for (const auto& warning : of.warnings) report.warn(n, warning);
+        if (!of.outputs) of.pass_on();
+        known.facts[n] = std::move(of.facts);
         if (!of.outputs) continue;
         for (std::size_t output = 0; output < node.outputs.size(); ++output)
-            known[{n, output}] = *of.outputs;
+            known.regions[{n, output}] = *of.outputs;
     }
+    return out;
 }
 
 }  // namespace fluidcarve

@@ -1,12 +1,33 @@
 #pragma once
 
-#include "runtime/run/inputs.h"
+#include "graph/pipeline.h"
+#include "graph/types/outlook.h"
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
 
 namespace fluidcarve {
 
-/// Follows through the pipeline what its readers say of where their outputs lie, and calls the
-/// `foresee` of each node that the run needs. Outputs of a node without one lie where all its
-/// inputs lie together. Warnings go to the report.
-void foresee(const Pipeline& pipeline, const Plan& plan, const Inputs& inputs, Report& report);
+/// What nodes say of a run before it starts.
+struct Outlooks {
+    struct Remark {
+        std::size_t node = 0;  ///< index in Pipeline::nodes
+        std::string message;
+    };
+    std::vector<Remark> warnings;
+    std::vector<Remark> faults;  ///< why nodes cannot run
+};
+
+/// Where outputs of readers lie, by node and name.
+using ReadRegions = std::map<std::size_t, std::map<std::string, Region>>;
+
+/// Calls the `foresee` of each node, and follows through the pipeline what they and the readers
+/// say. Opens no files.
+/// @param needed  per node: whether the run needs it
+/// @param read    empty: no file is known yet
+Outlooks foresee(const Pipeline& pipeline, const std::vector<bool>& needed,
+                 const ReadRegions& read);
 
 }  // namespace fluidcarve

@@ -8,6 +8,7 @@
 #include "graph/field_names.h"
 #include "graph/file_claims.h"
 #include "graph/frames_of_inputs.h"
+#include "graph/outlooks.h"
 #include "graph/pipeline.h"
 #include "graph/timelines.h"
 #include "graph/types/frame_files.h"
@@ -106,6 +107,7 @@ public:
         check_confinement(out.frames);
         for (auto& draft : drafts_) out.nodes.push_back(std::move(draft.node));
         note_old_files(out);
+        if (problems_.empty()) add_foreseen(out);
         return out;
     }
 
@@ -221,6 +223,14 @@ private:
         if (type.named_outputs)
             for (auto& output : type.named_outputs(params.get()))
                 draft.node.outputs.push_back(std::move(output));
+    }
+
+    /// Adds what nodes say why they cannot run.
+    void add_foreseen(const Pipeline& pipeline) {
+        const std::vector<bool> all(pipeline.nodes.size(), true);
+        for (const auto& [n, message] : foresee(pipeline, all, {}).faults)
+            add(problems_, pipeline.nodes[n].mark,
+                fmt::format("{} {}", pipeline.nodes[n].type->name, message));
     }
 
     /// Decides whether results are cached: the node's `cache` field, else the type.

@@ -11,6 +11,7 @@
 #include "graph/types/node_type.h"
 #include "nodes/params/lattice_node.h"
 #include "nodes/payload/active_box.h"
+#include "nodes/solving/foreseen.h"
 
 #include <fmt/format.h>
 
@@ -44,6 +45,7 @@ struct LatticeAround : LatticeNode {
 
     static void foresee(const Params& params, Outlook& ahead) {
         if (const auto* const rig = ahead.region("rig")) ahead.lies(widened(*rig, params.radius));
+        tell_form(form_of(spec_of(params)), ahead);
     }
 
     void add(const Params& params, const Ports& io, Context& context) {
@@ -189,9 +191,10 @@ struct Box {
     }
 
     static void foresee(const Params& params, Outlook& ahead) {
-        if (params.min && params.max)
+        if (params.min && params.max) {
             ahead.lies(Region{{Region::Box{*params.min, *params.max}}, {}});
-        else if (const auto* const fit = ahead.region("fit")) ahead.lies(*fit);
+            tell_form({shape_of(params)}, ahead);
+        } else if (const auto* const fit = ahead.region("fit")) ahead.lies(*fit);
     }
 
     static std::shared_ptr<ActiveBox> digest(const Params&, const Ports& io, Context& context) {
@@ -224,25 +227,16 @@ struct Box {
 
     void finish(const Params& params, Ports& io, Context&) {
         const auto axes = world_axes(params.axes);
-        const auto shaped = [&](const std::array<int, 3>& counts) {
-            return std::array{counts[static_cast<std::size_t>(axes[0])],
-                              counts[static_cast<std::size_t>(axes[1])],
-                              counts[static_cast<std::size_t>(axes[2])]};
-        };
         if (params.min) {
-            std::array<int, 3> counts;
             // The spacing is computed from the corners: a spacing typed with few digits would let
             // the vertices drift away from the voxels.
             double spacing = *params.spacing, longest = 0;
-            for (std::size_t n = 0; n < 3; ++n) {
-                const double extent = (*params.max)[n] - (*params.min)[n],
-                             steps = std::round(extent / *params.spacing);
-                counts[n] = static_cast<int>(steps) + 1;
-                if (steps > longest) spacing = extent / (longest = steps);
-            }
+            for (std::size_t n = 0; n < 3; ++n)
+                if (const double steps = steps_along(params, n); steps > longest)
+                    spacing = ((*params.max)[n] - (*params.min)[n]) / (longest = steps);
             io.lattice = std::make_shared<Lattice>(
                 make_box(Vec3d((*params.min)[0], (*params.min)[1], (*params.min)[2]),
-                         shaped(counts), spacing, axes));
+                         shape_of(params), spacing, axes));
             return;
         }
         if (!voxels_.transform())
@@ -260,9 +254,9 @@ struct Box {
         if (cubes_along_axes(transform)) {
             const std::array<int, 3> shape{static_cast<int>(counts[0]), static_cast<int>(counts[1]),
                                            static_cast<int>(counts[2])};
-            io.lattice =
-                std::make_shared<Lattice>(make_box(transform.indexToWorld(box_.min()),
-                                                   shaped(shape), transform.voxelSize().x(), axes));
+            io.lattice = std::make_shared<Lattice>(make_box(transform.indexToWorld(box_.min()),
+                                                            in_order(axes, shape),
+                                                            transform.voxelSize().x(), axes));
             return;
         }
         // Along u, v and w, the voxels' own axes that come nearest to those of the world.
@@ -279,6 +273,27 @@ struct Box {
         }
         io.lattice =
             std::make_shared<Lattice>(make_box(transform.indexToWorld(first), shape, steps));
+    }
+
+private:
+    /// Steps from the first vertex to the last.
+    /// @param axis  of the world; `min`, `max` and `spacing` must be stated
+    static double steps_along(const Params& params, std::size_t axis) {
+        return std::round(((*params.max)[axis] - (*params.min)[axis]) / *params.spacing);
+    }
+    /// I, J, K by the numbers along the world's axes.
+    static std::array<int, 3> in_order(const std::array<int, 3>& axes,
+                                       const std::array<int, 3>& counts) {
+        std::array<int, 3> out;
+        for (std::size_t n = 0; n < 3; ++n) out[n] = counts[static_cast<std::size_t>(axes[n])];
+        return out;
+    }
+    /// I, J, K of a stated box.
+    static std::array<int, 3> shape_of(const Params& params) {
+        std::array<int, 3> counts;
+        for (std::size_t n = 0; n < 3; ++n)
+            counts[n] = static_cast<int>(steps_along(params, n)) + 1;
+        return in_order(world_axes(params.axes), counts);
     }
 
     SameVoxels voxels_;
@@ -342,6 +357,7 @@ struct LatticeBuild : LatticeNode {
         };
         if (const auto* const rig = ahead.region("rig"))
             ahead.lies(widened(*rig, std::hypot(most(params.extent_u), most(params.extent_v))));
+        tell_form(form_of(spec_of(params)), ahead);
     }
 
     void add(const Params& params, const Ports& io, Context& context) {

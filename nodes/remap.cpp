@@ -15,6 +15,7 @@
 #include "nodes/params/join_params.h"
 #include "nodes/params/rim.h"
 #include "nodes/result/carve_result.h"
+#include "nodes/solving/foreseen.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -65,6 +66,9 @@ struct RemapGrids {
     static void check(const Params& params, NodeCheck& check) {
         check_fade(params.rim, check);
         check_join(params, check);
+    }
+    static void foresee(const Params& params, Outlook& ahead) {
+        foresee_carve(params.count, ahead);
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
@@ -161,6 +165,9 @@ struct RemapMesh {
         check_fade(params.rim, check);
         check_join(params, check);
     }
+    static void foresee(const Params& params, Outlook& ahead) {
+        foresee_carve(params.count, ahead);
+    }
 
     static void run(const Params& params, Ports& io, Context& context) {
         if (context.per_frame()) {
@@ -244,6 +251,9 @@ struct RemapPoints {
         check_fade(params.rim, check);
         check_join(params, check);
     }
+    static void foresee(const Params& params, Outlook& ahead) {
+        foresee_carve(params.count, ahead);
+    }
 
     static void run(const Params& params, Ports& io, Context& context) {
         auto map = carve_map(*io.lattice, io.seams, params.count, context, params);
@@ -308,11 +318,17 @@ struct FilterSeam {
         List<Seams> seams;
         Ref<Volume> volume;
     };
+    static constexpr auto nothing_to_smooth =
+        "a warp is among the `seams`, but it leaves no seams to smooth along, since it is smooth "
+        "everywhere; leave this node out";
+
+    static void foresee(const Params& params, Outlook& ahead) {
+        if (warp_told(ahead)) return ahead.fault(nothing_to_smooth);
+        foresee_carve(params.count, ahead);
+    }
     static void run(const Params& params, Ports& io, Context& context) {
         if (std::ranges::any_of(io.seams, [](const auto& set) { return set->warp.has_value(); }))
-            throw Failure(
-                "a warp is among the `seams`, but it leaves no seams to smooth along, since it is "
-                "smooth everywhere; leave this node out");
+            throw Failure(nothing_to_smooth);
         const auto map = carve_map(*io.lattice, io.seams, params.count, context);
         if (map.empty()) io.volume = io.source;
         else

@@ -60,6 +60,12 @@ struct Choose {
         Ref<Seams> chosen;
     };
 
+    static constexpr auto nothing_to_choose =
+        "`seams` is a warp, of which there is nothing to choose; connect the node that finds seams";
+
+    static void foresee(const Params&, Outlook& ahead) {
+        if (warp_told(ahead)) ahead.fault(nothing_to_choose);
+    }
     static bool wants(const Params&, const Context& context) {
         const auto all = context.frames().size(), shown = std::min(all, most_frames);
         // The middle frame of each of so many parts.
@@ -71,10 +77,7 @@ struct Choose {
     void add(const Params& params, const Ports& io, Context& context) {
         if (context.per_frame() && !wants(params, context)) return;
         const auto& seams = *io.seams;
-        if (seams.warp)
-            throw Failure(
-                "`seams` is a warp, of which there is nothing to choose; connect the node that "
-                "finds seams");
+        if (seams.warp) throw Failure(nothing_to_choose);
         if (seams.paired())
             throw Failure(
                 "the seams come in pairs, between which the size stays, so that there is no rest "

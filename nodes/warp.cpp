@@ -10,7 +10,7 @@
 #include "graph/types/node_type.h"
 #include "nodes/params/param_forms.h"
 #include "nodes/params/warp_params.h"
-#include "nodes/solving/placement.h"
+#include "nodes/solving/foreseen.h"
 #include "nodes/solving/seam_node.h"
 
 #include <fmt/format.h>
@@ -138,10 +138,23 @@ struct WarpSolve {
     }
 
     static void foresee(const Params& params, Outlook& ahead) {
-        const auto* const energy = ahead.region("energy");
-        if (states_nothing(params) || !energy) return;
-        if (const auto fault = placement_fault(*energy, ahead.region("lattice")); !fault.empty())
-            ahead.warn(fault);
+        if (states_nothing(params)) return;
+        tell_warp(params.static_, ahead);
+        warn_of_placement(ahead);
+        auto form = form_told(ahead);
+        if (form.shape[dimension(params.axis)] == 0 || !ahead.told("after").empty()) return;
+        // One amount is that of all planes, however many there are.
+        form.shape[2] = std::max(form.shape[2], 1);
+        // Curves count planes and frames, percentages may count content: known later.
+        auto amount = params.amount.value_or(WarpAmount{});
+        if (amount.varies()) amount = {};
+        else if (!ahead.told("content").empty()) amount = amount.in_vertices(0);
+        try {
+            require_ends(gathering_params(params), form);
+            require_fits(params, amount, form.shape, form.closed, {0}, "");
+        } catch (const Failure& failure) {
+            ahead.fault(failure.what());
+        }
     }
 
     static std::shared_ptr<FrameEnergy> digest(const Params& params, const Ports& io,
@@ -155,7 +168,7 @@ struct WarpSolve {
                          io.lattice->closed, context.frames(), "");
         }
         if (context.place() == 0 && !states_nothing(params))
-            require_ends(gathering_params(params), *io.lattice);
+            require_ends(gathering_params(params), io.lattice->form());
         const auto mask = [](const Ref<AnyGrid>& port) {
             return port ? port->grid.get() : nullptr;
         };

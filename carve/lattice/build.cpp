@@ -49,6 +49,12 @@ double sideways(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to, bo
     return out;
 }
 
+/// Number of vertices along v.
+double vertices_beside(const LatticeSpec& spec) {
+    return spec.around ? vertices_around(spec.u[1], spec.spacing)
+                       : vertices_along(spec.v, spec.spacing);
+}
+
 /// Builds one lattice along a rig, and smooths until no cell is folded.
 class Builder {
 public:
@@ -74,7 +80,7 @@ private:
     /// for a long time.
     void require_room(std::size_t planes) const {
         constexpr double most = 8e9;  // vertices; a solver takes 2 bytes for each, in every frame
-        const double i = vertices_along(spec_.u, spec_.spacing), j = vertices_beside(),
+        const double i = vertices_along(spec_.u, spec_.spacing), j = vertices_beside(spec_),
                      all = i * j * static_cast<double>(planes);
         if (all <= most) return;
         throw Failure(fmt::format(
@@ -82,12 +88,6 @@ private:
             "frame; take about the size of a voxel, and "
             "{:.2g} at least",
             spec_.spacing, i, j, planes, 2e-9 * all, spec_.spacing * std::cbrt(all / most)));
-    }
-
-    /// Number of vertices along v.
-    double vertices_beside() const {
-        return spec_.around ? vertices_around(spec_.u[1], spec_.spacing)
-                            : vertices_along(spec_.v, spec_.spacing);
     }
 
     void smooth_points(const Resampled& start) {
@@ -118,8 +118,8 @@ private:
     void assemble(const Resampled& line, const std::vector<Vec3d>& w) {
         const auto v = untwisted(line, w, rig_.closed, rig_.up);
         auto& lattice = out_.lattice;
-        lattice.shape = {static_cast<int>(vertices_along(spec_.u, spec_.spacing)),
-                         static_cast<int>(vertices_beside()), static_cast<int>(w.size())};
+        lattice.shape = form_of(spec_).shape;
+        lattice.shape[2] = static_cast<int>(w.size());
         lattice.spacing = spec_.spacing;
         lattice.closed = rig_.closed;
         lattice.around = spec_.around;
@@ -168,6 +168,13 @@ double vertices_along(const std::array<double, 2>& extent, double spacing) {
 int vertices_around(double radius, double spacing) {
     return static_cast<int>(
         std::lround(2 * M_PI * std::max(1.0, vertices_along({0, radius}, spacing) - 1)));
+}
+
+LatticeForm form_of(const LatticeSpec& spec) {
+    return {{static_cast<int>(vertices_along(spec.u, spec.spacing)),
+             static_cast<int>(vertices_beside(spec)), 0},
+            false,
+            spec.around};
 }
 
 bool reaches_across(const Rig& rig, const LatticeSpec& spec) {

@@ -53,6 +53,9 @@ double vertices_along(const std::array<double, 2>& extent, double spacing);
 /// Number of vertices on the way around a rig: the outermost stand about one spacing apart.
 int vertices_around(double radius, double spacing);
 
+/// What of a lattice follows from a spec alone. The rig tells K, and whether the lattice is closed.
+LatticeForm form_of(const LatticeSpec& spec);
+
 /// Whether a lattice reaches past the centre of a circular rig. Smoothing cannot unfold it then.
 bool reaches_across(const Rig& rig, const LatticeSpec& spec);
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "carve/lattice/form.h"
+
 #include <openvdb/Types.h>
 
 #include <array>
@@ -57,6 +59,7 @@ struct Lattice {
     std::string description;    ///< what the lattice was made from, for messages
     std::string hash;           ///< lattice_hash(); identifies the lattice that seams belong to
 
+    LatticeForm form() const { return {shape, closed, around}; }
     /// Whether the lattice is a straight box, upright or slanted: open, all planes share their
     /// directions and stand `spacing * w` apart.
     bool is_box() const;

@@ -12,7 +12,7 @@
 namespace fluidcarve {
 
 void SeamSearch::add(const Ref<Lattice>& lattice, const FrameGrids& grids) {
-    require_ends(wish_, *lattice);
+    require_ends(wish_, lattice->form());
     const int finest = finest_for(wish_, *lattice);
     require_frame_fits(grids, *lattice, limits_.memory, finest);
     const auto frame = sample_frame(grids, lattice, wish_.axis, wish_.measure, finest);

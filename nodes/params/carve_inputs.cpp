@@ -8,16 +8,18 @@
 #include <cstdlib>
 
 namespace fluidcarve {
+
+const char* const part_of_warp =
+    "`count` is a number of seams, but what is carved last is a warp: it has none, and is carved "
+    "as a whole; leave `count` out, or set the warp's `amount`";
+
 namespace {
 
 std::optional<std::size_t> seams_of(const Auto<Count>& asked, const Seams& last) {
     if (!asked) return std::nullopt;
     if (last.warp) {
         if (asked->value == 0) return 0;
-        throw Failure(
-            "`count` is a number of seams, but what is carved last is a warp: it has none, and is "
-            "carved as a whole; leave `count` out, or set the warp's "
-            "`amount`");
+        throw Failure(part_of_warp);
     }
     const int count = asked->of(last.carved());
     if (count != 0 && kind_asked(count) == Seams::Kind::remove && last.kind == Seams::Kind::insert)

@@ -7,6 +7,9 @@
 
 namespace fluidcarve {
 
+/// Why a part of a warp can't be carved.
+extern const char* const part_of_warp;
+
 /// The carve map of a node with inputs `lattice` and `seams` and parameter `count`, in the
 /// context's frame.
 /// @param count  number of seams of the last set; its sign may be left out; auto: all

@@ -1,11 +1,20 @@
-#include "nodes/solving/placement.h"
+#include "nodes/solving/foreseen.h"
+
+#include "nodes/params/carve_inputs.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <string>
 
 namespace fluidcarve {
 
+namespace {
+
+/// What is wrong; empty: nothing.
+/// @param energy   where the files have voxels that the energy is made of
+/// @param lattice  null: not known
 std::string placement_fault(const Region& energy, const Region* lattice) {
     if (energy.boxes.empty())
         return "by their headers, the files that `energy` comes from have no active voxels in any "
@@ -22,6 +31,66 @@ std::string placement_fault(const Region& energy, const Region* lattice) {
         better != lattice->otherwise.end() ? fmt::format("with {} they meet", better->how)
                                            : "move the lattice (its rig, or `min` and `max`) or "
                                              "the data (`translate` and `scale` of its reader)");
+}
+
+}  // namespace
+
+void warn_of_placement(Outlook& ahead) {
+    const auto* const energy = ahead.region("energy");
+    if (!energy) return;
+    if (const auto fault = placement_fault(*energy, ahead.region("lattice")); !fault.empty())
+        ahead.warn(fault);
+}
+
+namespace {
+
+constexpr std::array axis_facts{"u", "v", "w"};
+constexpr auto closed_fact = "closed", around_fact = "around", warp_fact = "warp",
+               moves_fact = "moves";
+
+int value_of(const OutputFacts& facts, const char* name) {
+    const auto found = facts.find(name);
+    return found == facts.end() ? 0 : found->second;
+}
+
+}  // namespace
+
+void tell_form(const LatticeForm& form, Outlook& ahead) {
+    OutputFacts out{{closed_fact, form.closed}, {around_fact, form.around}};
+    for (std::size_t n = 0; n < 3; ++n) out[axis_facts[n]] = form.shape[n];
+    ahead.tell(out);
+}
+
+LatticeForm form_told(const Outlook& ahead) {
+    LatticeForm out;
+    const auto& told = ahead.told("lattice");
+    if (told.empty()) return out;
+    for (std::size_t n = 0; n < 3; ++n) out.shape[n] = value_of(told.front(), axis_facts[n]);
+    out.closed = value_of(told.front(), closed_fact) != 0;
+    out.around = value_of(told.front(), around_fact) != 0;
+    return out;
+}
+
+void tell_warp(bool still, Outlook& ahead) {
+    ahead.tell({{warp_fact, 1}, {moves_fact, still ? 0 : 1}});
+}
+
+bool warp_told(const Outlook& ahead) {
+    return std::ranges::any_of(ahead.told("seams"), [](const OutputFacts& facts) {
+        return value_of(facts, warp_fact) != 0;
+    });
+}
+
+void foresee_carve(const Auto<Count>& count, Outlook& ahead) {
+    const auto& told = ahead.told("seams");
+    if (count && count->value != 0 && !told.empty() && value_of(told.back(), warp_fact) != 0)
+        ahead.fault(part_of_warp);
+    const bool moves = std::ranges::any_of(
+        told, [](const OutputFacts& facts) { return value_of(facts, moves_fact) != 0; });
+    if (moves && ahead.once())
+        ahead.fault(
+            "carves the source once for all frames, but the warp changes from frame to frame; set "
+            "`static: true` at the warp, or read the source by a path with a frame token");
 }
 
 }  // namespace fluidcarve

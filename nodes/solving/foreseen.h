@@ -1,14 +1,28 @@
 #pragma once
 
+#include "carve/base/values.h"
+#include "carve/lattice/form.h"
 #include "graph/types/outlook.h"
-
-#include <string>
+#include "graph/types/param.h"
 
 namespace fluidcarve {
 
-/// What is wrong, before a run, with where an energy and its lattice lie; empty: nothing.
-/// @param energy   where the files have voxels that the energy is made of
-/// @param lattice  null: not known
-std::string placement_fault(const Region& energy, const Region* lattice);
+/// Warns, before a run, of an `energy` without voxels, and of a `lattice` that misses them, as far
+/// as the headers of files tell.
+void warn_of_placement(Outlook& ahead);
+
+/// Tells the form of the lattice that a node builds.
+void tell_form(const LatticeForm& form, Outlook& ahead);
+/// What is told of the form of the input `lattice`.
+LatticeForm form_told(const Outlook& ahead);
+
+/// Tells that a node finds a warp. @param still  whether it is the same in all frames
+void tell_warp(bool still, Outlook& ahead);
+/// Whether a warp is told to be among the input `seams`.
+bool warp_told(const Outlook& ahead);
+/// Says what a node can't carve by a warp among its `seams`: a part of it, or, if the node runs
+/// once for all frames, one that changes.
+/// @param count  the node's parameter
+void foresee_carve(const Auto<Count>& count, Outlook& ahead);
 
 }  // namespace fluidcarve

@@ -2,7 +2,7 @@
 
 #include "carve/solver/task/space.h"
 #include "carve/solver/task/task.h"
-#include "nodes/solving/placement.h"
+#include "nodes/solving/foreseen.h"
 #include "nodes/solving/report.h"
 #include "nodes/solving/solve_task.h"
 
@@ -27,19 +27,25 @@ std::string half_size_note(const CarvedSpace& space) {
 }  // namespace
 
 void SeamNode::foresee(const Params& params, Outlook& ahead) {
-    const auto* const energy = ahead.region("energy");
-    if (params.count.value == 0 || !energy) return;
-    if (const auto fault = placement_fault(*energy, ahead.region("lattice")); !fault.empty())
-        ahead.warn(fault);
+    if (params.count.value == 0) return;
+    warn_of_placement(ahead);
+    const auto form = form_told(ahead);
+    if (form.shape[dimension(params.axis)] == 0 || !ahead.told("after").empty()) return;
+    try {
+        task_of(params, form, false);
+    } catch (const Failure& failure) {
+        ahead.fault(failure.what());
+    }
 }
 
 std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports& io,
                                               Context& context) {
     // The first frame tells, before all others are read. What is left after other seams is known
     // only later.
-    if (context.place() == 0 && io.after.empty())
-        require_vertex_left(params, io.lattice->shape[dimension(params.axis)], "");
-    if (context.place() == 0) require_ends(params, *io.lattice);
+    if (context.place() == 0) {
+        if (io.after.empty()) task_of(params, io.lattice->form(), false);
+        else require_ends(params, io.lattice->form());
+    }
     const auto mask = [](const Ref<AnyGrid>& port) { return port ? port->grid.get() : nullptr; };
     const FrameGrids grids{*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
     const int finest = finest_for(params, *io.lattice);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "carve/base/frame_set.h"
-#include "graph/types/outlook.h"
+#include "graph/outlooks.h"
 #include "runtime/plan/plan.h"
 #include "runtime/plan/timelines.h"
 #include "runtime/tell/report.h"
@@ -24,8 +24,8 @@ struct Inputs {
     std::vector<Fault> clashes;
     /// Per node: frame to the frame whose file it uses instead of its own.
     std::map<std::size_t, std::map<int, int>> stand_ins;
-    /// Per node: where its outputs lie, by name, so far as it tells.
-    std::map<std::size_t, std::map<std::string, Region>> regions;
+    /// So far as readers tell.
+    ReadRegions regions;
     /// Largest frame of a reader in memory, estimated from its file; 0: unknown.
     std::uint64_t frame_bytes = 0;
 };

@@ -1,7 +1,6 @@
 #include "runtime/run/preparation.h"
 
 #include "carve/base/frame_set.h"
-#include "runtime/run/outlooks.h"
 
 #include <fmt/format.h>
 
@@ -58,7 +57,8 @@ Preparation::Preparation(const Pipeline& pipeline, const Registry& registry,
             [this](std::size_t n, std::size_t place) { return wants(n, place); }),
       store_(pipeline, dependencies_, keys_, cache_, files_),
       grown_(pipeline.nodes.size()) {
-    foresee(pipeline, plan_, inputs_, report);
+    for (const auto& [node, message] : foresee(pipeline, plan_.needed, inputs_.regions).warnings)
+        report.warn(node, message);
     if (!cache_.on()) return;
     std::vector<std::string> paths;
     each_file([&](std::size_t, std::size_t, const std::string& path) { paths.push_back(path); });

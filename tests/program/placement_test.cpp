@@ -78,3 +78,28 @@ TEST_CASE("a lattice too fine for the memory says which spacing fits") {
                    "; the voxels of `energy` are 0.0555556 wide: a 'spacing' of 0.0555556 fits\n"));
     CHECK(ran.code == 1);
 }
+
+TEST_CASE("check tells at the node, without a look at files, what its lattice has no room for") {
+    const Scratch scratch;
+    const auto pipeline = scratch.write("narrow.yaml", R"(fluidcarve: 1
+nodes:
+  sim:    {type: vdb.read, path: gone.vdb, grids: {density: float}}
+  energy: {type: energy.gradient, field: sim.density}
+  box:    {type: lattice.box, min: [0, 0, 0], max: [9, 9, 9], spacing: 1}
+  warp:   {type: warp.solve, energy: energy, lattice: box, amount: -9.5}
+  seams:  {type: seam.pyramid, energy: energy, lattice: box, count: -3, window: [4, 10]}
+  kept:   {type: seams.write, seams: warp, path: warp.vdb}
+  other:  {type: seams.write, seams: seams, path: seams.vdb}
+  carved: {type: remap.grids, source: sim, lattice: box, seams: warp}
+  smooth: {type: filter.seam, source: carved, lattice: box, seams: warp}
+  out:    {type: vdb.write, source: smooth, path: out.vdb}
+)");
+    const auto checked = fluidcarve_program("check " + pipeline);
+    CHECK(checked.code == 2);
+    CHECK_THAT(checked.err,
+               Catch::Contains("narrow.yaml:6:3: warp.solve the amount squeezes window [0, 9] by "
+                               "9.5 vertices, but at most 8.1 are possible") &&
+                   Catch::Contains("narrow.yaml:7:3: seam.pyramid window [4, 10] leaves the "
+                                   "lattice, which has 10 vertices along u: 0 to 9\n") &&
+                   Catch::Contains("narrow.yaml:11:3: filter.seam a warp is among the `seams`"));
+}

@@ -18,6 +18,10 @@ std::array<int, 3> CarvedSpace::shape() const {
                           : after_.back()->shape_after(after_.back()->size());
 }
 
+LatticeForm CarvedSpace::form() const {
+    return {shape(), lattices_.front()->closed, lattices_.front()->around};
+}
+
 CarveMap CarvedSpace::carve_map(std::size_t t) const {
     return {*lattices_[place(t)], after_, frames_[t], std::nullopt};
 }

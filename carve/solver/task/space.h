@@ -30,6 +30,7 @@ public:
     bool carved() const { return !after_.empty(); }
     /// I, J, K that the sets leave.
     std::array<int, 3> shape() const;
+    LatticeForm form() const;
     /// Index of the frame whose lattice and energy frame `t` has: `t`, or that of the one that all
     /// share.
     std::size_t place(std::size_t t) const { return std::min(t, lattices_.size() - 1); }

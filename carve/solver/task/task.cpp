@@ -16,19 +16,19 @@ namespace fluidcarve {
 
 namespace {
 
-std::string name_of(const CarvedSpace& space) {
-    return space.carved() ? " once the seams of `after` are carved" : "";
-}
+/// What counts vertices, for messages.
+std::string name_of(bool carved) { return carved ? " once the seams of `after` are carved" : ""; }
 
 /// How many vertices the axis has, and which: the end of a message.
-std::string vertices_along(Axis axis, int size, const CarvedSpace& space) {
-    return fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(axis), name_of(space),
+std::string vertices_along(Axis axis, int size, bool carved) {
+    return fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(axis), name_of(carved),
                        size - 1);
 }
 
-Window window_of(const std::string& name, const Auto<VertexRange>& stated, Axis axis, int size,
-                 const CarvedSpace& space) {
-    const int first = space.lattices().front()->around ? 1 : 0;
+/// The window that a parameter states.
+/// @param first  the lowest vertex that may be carved
+Window window_of(const std::string& name, const Auto<VertexRange>& stated, Axis axis, int first,
+                 int size, bool carved) {
     if (!stated) return {first, size - 1};
     const auto out = stated->of(size);
     const auto text = text_of(*stated);
@@ -39,31 +39,53 @@ Window window_of(const std::string& name, const Auto<VertexRange>& stated, Axis 
                         name, text));
     if (out.last > size - 1)
         throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name, text,
-                                  vertices_along(axis, size, space)));
+                                  vertices_along(axis, size, carved)));
     return out;
+}
+
+/// Requires that removals leave a vertex along the axis; with `best_effort` the task sees to it.
+void require_vertex_left(const SolverParams& params, int size, bool carved) {
+    const int removed = -params.count.of(size);
+    // A window that leaves out vertices keeps them.
+    const auto window = params.window ? params.window->of(size) : Window{0, size - 1};
+    const bool all = window.first == 0 && window.last == size - 1;
+    if (params.best_effort || removed < size || !all) return;
+    const auto count = text_of(params.count);
+    const auto axis = to_text(params.axis) + name_of(carved);
+    if (size == 1)
+        throw Failure(
+            fmt::format("count {} removes the only vertex along {}; none can go", count, axis));
+    throw Failure(fmt::format("count {} removes {} {} vertices along {}; at most {} can go", count,
+                              removed == size ? "all" : "more than the", size, axis, size - 1));
 }
 
 }  // namespace
 
 SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int finest) {
-    require_ends(params, *space.lattices().front());
+    const auto form = space.form();
+    if (*std::min_element(form.shape.begin(), form.shape.end()) < 1)
+        throw Failure(fmt::format("the seams of `after` leave nothing to carve: {} vertices",
+                                  fmt::join(form.shape, " x ")));
+    return task_of(params, form, space.carved(), finest);
+}
+
+SeamTask task_of(const SolverParams& params, const LatticeForm& form, bool carved, int finest) {
+    require_ends(params, form);
     SeamTask out;
     out.axis = params.axis;
     out.finest = finest;
-    out.shape = space.shape();
-    if (*std::min_element(out.shape.begin(), out.shape.end()) < 1)
-        throw Failure(fmt::format("the seams of `after` leave nothing to carve: {} vertices",
-                                  fmt::join(out.shape, " x ")));
+    out.shape = form.shape;
     const int size = out.shape[dimension(params.axis)], count = params.count.of(size);
-    require_vertex_left(params, size, name_of(space));
+    require_vertex_left(params, size, carved);
     out.asked = out.count = std::abs(count);
     if (const int thickness = params.thickness.value_or(1); thickness > size)
         throw Failure(fmt::format("thickness {} is wider than the lattice, which has {}; lower it",
-                                  thickness, vertices_along(params.axis, size, space)));
+                                  thickness, vertices_along(params.axis, size, carved)));
     const auto part = [&](bool pair, Seams::Kind kind, const Auto<VertexRange>& window,
                           bool static_) {
         SeamTask::Part part{pair, kind, {}, static_};
-        part.window = window_of(part.prefix() + "window", window, params.axis, size, space);
+        part.window = window_of(part.prefix() + "window", window, params.axis, form.around ? 1 : 0,
+                                size, carved);
         // One vertex stays.
         const int room = std::min(room_in(kind, part.window, size, finest),
                                   kind == Seams::Kind::remove ? size - 1 : size);
@@ -78,7 +100,7 @@ SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int fines
     out.seams = part(false, kind_asked(count), params.window, params.static_);
     if (params.anchor.vertex > size - 1)
         throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}",
-                                  params.anchor.vertex, vertices_along(params.axis, size, space)));
+                                  params.anchor.vertex, vertices_along(params.axis, size, carved)));
     if (params.pair_window) {
         out.pairs = part(true, opposite(out.seams.kind), params.pair_window, params.pair_static);
         if (const auto fault = pair_fault(out.seams.window, *params.window, out.pairs->window,
@@ -88,28 +110,13 @@ SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int fines
     return out;
 }
 
-void require_vertex_left(const SolverParams& params, int size, const std::string& space) {
-    const int removed = -params.count.of(size);
-    // A window that leaves out vertices keeps them.
-    const auto window = params.window ? params.window->of(size) : Window{0, size - 1};
-    const bool all = window.first == 0 && window.last == size - 1;
-    if (params.best_effort || removed < size || !all) return;
-    const auto count = text_of(params.count);
-    const auto axis = to_text(params.axis) + space;
-    if (size == 1)
-        throw Failure(
-            fmt::format("count {} removes the only vertex along {}; none can go", count, axis));
-    throw Failure(fmt::format("count {} removes {} {} vertices along {}; at most {} can go", count,
-                              removed == size ? "all" : "more than the", size, axis, size - 1));
-}
-
-void require_ends(const SolverParams& params, const Lattice& lattice) {
-    if (lattice.closed && params.axis == Axis::w && !params.pair_window)
+void require_ends(const SolverParams& params, const LatticeForm& form) {
+    if (form.closed && params.axis == Axis::w && !params.pair_window)
         throw Failure(
             "the rig is closed, so that w has no end to take from or to add to: give a `window` "
             "and a `pair_window` beside it, between which the content moves "
             "round, or leave the rig open (`closed: false`)");
-    if (!lattice.around) return;
+    if (!form.around) return;
     if (params.axis == Axis::v)
         throw Failure(
             "the lattice goes around its rig, so that v closes and has no end to take from: carve "

@@ -37,20 +37,16 @@ struct SeamTask {
 /// The task that parameters set in a space.
 /// @param finest  2: seams are found at half size
 /// @throws Failure if the space is empty, if a window or the anchor leaves it, if a window has too
-///   little room, or as require_vertex_left() and require_rig_stays()
+///   little room, if removals leave no vertex along the axis, or as require_ends()
 SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int finest = 1);
-
-/// Requires that removals leave a vertex along the axis; with `best_effort` the task sees to it.
-/// @param size   vertices along the axis
-/// @param space  what these are vertices of, for the message: empty, or " once the seams of `after`
-///   are carved"
-/// @throws Failure that says how many can go
-void require_vertex_left(const SolverParams& params, int size, const std::string& space);
+/// The same before the space is there. @param form  its shape must be known along the axis
+/// @param carved  whether other sets have carved the space
+SeamTask task_of(const SolverParams& params, const LatticeForm& form, bool carved, int finest = 1);
 
 /// Requires an axis that begins and ends, or a pair window in a closed one. Around a rig, u is
 /// carved, and the rig stays in place.
 /// @throws Failure
-void require_ends(const SolverParams& params, const Lattice& lattice);
+void require_ends(const SolverParams& params, const LatticeForm& form);
 
 /// The columns of the seams of a task.
 Columns columns_of(const SeamTask& task, const CarvedSpace& space);

@@ -199,6 +199,25 @@ TEST_CASE("lattices say before a run where they will lie") {
     CHECK(!fitted.foresee().outputs);
 }
 
+TEST_CASE("lattices say before a run how many vertices they will have") {
+    const auto shape = [](NodeType type, const std::string& yaml,
+                          const std::map<std::string, std::size_t>& connected) {
+        const auto told = NodeBench(std::move(type), yaml, connected).foresee().facts;
+        std::array<int, 3> out{};
+        for (const auto& [at, name] : {std::pair(0, "u"), std::pair(1, "v"), std::pair(2, "w")})
+            if (const auto found = told.find(name); found != told.end())
+                out[static_cast<std::size_t>(at)] = found->second;
+        return out;
+    };
+    CHECK(shape(lattice_build(), "{spacing: 0.1, extent_u: [-1, 1], extent_v: [0, 0.05]}",
+                {{"rig", 1}}) == std::array{21, 1, 0});
+    CHECK(shape(lattice_around(), "{spacing: 1, radius: 4.5}", {{"rig", 1}}) ==
+          std::array{5, 25, 0});
+    CHECK(shape(lattice_box(), "{min: [0, 1, 2], max: [3, 5, 7], spacing: 1, axes: zxy}", {}) ==
+          std::array{6, 4, 5});
+    CHECK(shape(lattice_box(), "{}", {{"fit", 1}}) == std::array{0, 0, 0});
+}
+
 TEST_CASE("lattice.build delivers a static rig's lattice once, and reports it") {
     const Run run("{spacing: 0.1, extent_u: [-0.8, 0.8], extent_v: [-0.4, 0.4]}",
                   {circle_rig({0, 0, 0}, {0, 0, 1}, {5, 5}, 0)});

@@ -1,6 +1,9 @@
-#include "nodes/solving/placement.h"
+#include "nodes/solving/foreseen.h"
 #include "carve/solver/pyramid.h"
+#include "nodes/remap.h"
 #include "nodes/seam.h"
+#include "nodes/seams.h"
+#include "nodes/warp.h"
 #include "tests/support/node_bench.h"
 
 #include <catch2/catch.hpp>
@@ -25,29 +28,81 @@ const std::string nothing =
 
 TEST_CASE(
     "a lattice beside the data is told with both places, and with what would bring them together") {
-    const Region energy{{content}, {}}, lattice{{beside}, {}};
-    CHECK(placement_fault(energy, &energy).empty());
-    CHECK(placement_fault(energy, nullptr).empty());
-    CHECK(placement_fault(energy, &lattice) ==
-          apart +
-              "move the lattice (its rig, or `min` and `max`) or the data (`translate` and `scale` "
-              "of its reader)");
+    const auto warnings = [](const NodeBench::Regions& inputs) {
+        return NodeBench(seam_pyramid(), "{count: -1}").foresee(inputs).warnings;
+    };
+    const Region energy{{content}, {}};
+    CHECK(warnings({{"energy", energy}, {"lattice", energy}}).empty());
+    CHECK(warnings({{"energy", energy}}).empty());
+    CHECK(warnings({{"energy", energy}, {"lattice", {{beside}, {}}}}) ==
+          std::vector{apart +
+                      "move the lattice (its rig, or `min` and `max`) or the data (`translate` "
+                      "and `scale` of its reader)"});
     const Region curve{
         {beside},
         {{"`axes: z_to_y` in rig.curve", {beside}}, {"`axes: y_to_z` in rig.curve", {content}}}};
-    CHECK(placement_fault(energy, &curve) == apart + "with `axes: y_to_z` in rig.curve they meet");
-    CHECK(placement_fault({}, &lattice) == nothing);
-    CHECK(placement_fault({}, nullptr) == nothing);
+    CHECK(warnings({{"energy", energy}, {"lattice", curve}}) ==
+          std::vector{apart + "with `axes: y_to_z` in rig.curve they meet"});
+    CHECK(warnings({{"energy", {}}, {"lattice", {{beside}, {}}}}) == std::vector{nothing});
+    CHECK(warnings({{"energy", {}}}) == std::vector{nothing});
 }
 
-TEST_CASE("a solver looks where its energy and its lattice lie before a run, if seams are wanted") {
-    const auto warnings = [](const std::string& yaml, const NodeBench::Regions& inputs) {
-        return NodeBench(seam_pyramid(), yaml).foresee(inputs).warnings;
-    };
+TEST_CASE("where lattice and energy lie plays no part if no seams are wanted") {
     const NodeBench::Regions both{{"energy", {{content}, {}}}, {"lattice", {{beside}, {}}}};
-    REQUIRE(warnings("{count: -1}", both).size() == 1);
-    CHECK(warnings("{count: -1}", both)[0].starts_with(apart));
-    CHECK(warnings("{count: 0}", both).empty());
-    CHECK(warnings("{count: -1}", {{"lattice", {{beside}, {}}}}).empty());
-    CHECK(warnings("{count: -1}", {{"energy", {}}}) == std::vector<std::string>{nothing});
+    CHECK(NodeBench(seam_pyramid(), "{count: 0}").foresee(both).warnings.empty());
+    CHECK(
+        NodeBench(seam_pyramid(), "{count: -1}").foresee({{"lattice", {{beside}, {}}}}).warnings ==
+        std::vector<std::string>{});
+}
+
+TEST_CASE("solvers say before a run what a lattice of known form has no room for") {
+    const auto faults = [](NodeType type, const std::string& yaml, const OutputFacts& lattice,
+                           const std::string& other = {}) {
+        NodeBench::Told told{{"lattice", {lattice}}};
+        if (!other.empty()) told[other] = {{}};
+        return NodeBench(std::move(type), yaml).foresee({}, told).faults;
+    };
+    const std::vector<std::string> none,
+        leaves{"window [20, 30] leaves the lattice, which has 24 vertices along u: 0 to 23"};
+    const OutputFacts form{{"u", 24}, {"v", 6}};
+    CHECK(faults(seam_pyramid(), "{count: -3, window: [20, 30]}", form) == leaves);
+    CHECK(faults(warp_solve(), "{amount: -3, window: [20, 30]}", form) == leaves);
+    CHECK(faults(seam_pyramid(), "{count: -24}", form).size() == 1);
+    CHECK(faults(seam_pyramid(), "{count: -23}", form) == none);
+    CHECK(faults(warp_solve(), "{amount: -95%}", form).size() == 1);
+    // A percentage of content, a curve, another lattice, and one that others carve are known later.
+    CHECK(faults(warp_solve(), "{amount: -95%}", form, "content") == none);
+    CHECK(faults(warp_solve(), "{amount: {along: w, at: [[0, 0], [1, -90]]}}", form) == none);
+    CHECK(faults(seam_pyramid(), "{count: -99, axis: w}", form) == none);
+    CHECK(faults(seam_pyramid(), "{count: -99}", form, "after") == none);
+    CHECK(faults(warp_solve(), "{amount: -99}", form, "after") == none);
+    CHECK(faults(seam_pyramid(), "{count: -3, axis: v}", {{"u", 24}, {"v", 6}, {"around", 1}}) ==
+          std::vector<std::string>{"the lattice goes around its rig, so that v closes and has no "
+                                   "end to take from: carve `axis: u`"});
+}
+
+TEST_CASE("what a warp does not serve is said before a run") {
+    const auto warp = NodeBench(warp_solve(), "{amount: -3}").foresee().facts,
+               still = NodeBench(warp_solve(), "{amount: -3, static: true}").foresee().facts,
+               seams = NodeBench(seam_pyramid(), "{count: -3}").foresee().facts;
+    const auto faults = [](NodeType type, const std::string& yaml, const OutputFacts& first,
+                           const OutputFacts& last, bool once = false) {
+        return NodeBench(std::move(type), yaml)
+            .foresee({}, {{"seams", {first, last}}}, once)
+            .faults.size();
+    };
+    CHECK(faults(filter_seam(), "{}", warp, seams) == 1);
+    CHECK(faults(filter_seam(), "{}", seams, seams) == 0);
+    CHECK(faults(seams_choose(), "{}", seams, warp) == 1);
+    for (const auto& node : {remap_grids(), remap_points(), remap_mesh(), filter_seam()}) {
+        INFO(node.name);
+        const bool filters = node.name == "filter.seam";
+        CHECK(faults(node, "{count: 2}", warp, seams) == (filters ? 1 : 0));
+        CHECK(faults(node, "{count: 2}", seams, warp) == 1);
+        CHECK(faults(node, "{count: 0}", seams, warp) == (filters ? 1 : 0));
+        if (filters) continue;
+        CHECK(faults(node, "{}", still, seams, true) == 0);
+        CHECK(faults(node, "{}", warp, seams, true) == 1);
+        CHECK(faults(node, "{}", warp, seams) == 0);
+    }
 }
