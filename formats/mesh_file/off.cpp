@@ -98,14 +98,18 @@ Attribute colour(Attribute::On on, std::size_t parts) {
     return out;
 }
 
-/// Writes a colour as in OFF: integers up to 255, or numbers up to 1, always with a decimal point.
+/// Writes a colour as in OFF: integers up to 255, or numbers up to 1, which never look like
+/// integers.
 void put_colours(fmt::memory_buffer& text, const Attribute& attribute, std::size_t n) {
     const auto to = std::back_inserter(text);
     const double light = full_light(attribute.type);
     const bool index = attribute.name == "colour_index";
     for (const double part : attribute.entry(n))
-        if (light == 1) fmt::format_to(to, " {:#}", part);
-        else
+        if (light == 1) {
+            const auto word = fmt::format("{}", part);
+            fmt::format_to(to, " {}{}", word,
+                           word.find_first_of(".e") == std::string::npos ? ".0" : "");
+        } else
             fmt::format_to(to, " {}",
                            index || light == 255 ? part : std::round(part * 255 / light));
 }

@@ -370,10 +370,13 @@ void write(const std::string& path, const Image& image, int quality) {
     OIIO::Filesystem::IOVecOutput encoded;
     file->set_ioproxy(&encoded);
     bool done = file->open(path, spec);
+    // OpenImageIO 2.5 takes the strides of pixels as they are stored for 0 if it is to find them.
+    const auto stride = static_cast<OIIO::stride_t>(spec.pixel_bytes(true));
     for (int y = 0; done && y < spec.height; y += rows_at_once) {
         const int rows = std::min(rows_at_once, spec.height - y), first = spec.y + y;
-        done = file->write_scanlines(first, first + rows, 0, TypeDesc::UNKNOWN,
-                                     stored(image, spec, y, rows).data());
+        done =
+            file->write_scanlines(first, first + rows, 0, TypeDesc::UNKNOWN,
+                                  stored(image, spec, y, rows).data(), stride, stride * spec.width);
     }
     if (!(file->close() && done) || file->has_error()) throw Failure(file->geterror());
     std::ofstream out(path, std::ios::binary);
