@@ -165,9 +165,7 @@ struct RemapMesh {
         check_fade(params.rim, check);
         check_join(params, check);
     }
-    static void foresee(const Params& params, Outlook& ahead) {
-        foresee_carve(params.count, ahead);
-    }
+    static void foresee(const Params& params, Outlook& ahead) { foresee_part(params.count, ahead); }
 
     static void run(const Params& params, Ports& io, Context& context) {
         if (context.per_frame()) {

@@ -81,12 +81,17 @@ bool warp_told(const Outlook& ahead) {
     });
 }
 
-void foresee_carve(const Auto<Count>& count, Outlook& ahead) {
+void foresee_part(const Auto<Count>& count, Outlook& ahead) {
     const auto& told = ahead.told("seams");
     if (count && count->value != 0 && !told.empty() && value_of(told.back(), warp_fact) != 0)
         ahead.fault(part_of_warp);
-    const bool moves = std::ranges::any_of(
-        told, [](const OutputFacts& facts) { return value_of(facts, moves_fact) != 0; });
+}
+
+void foresee_carve(const Auto<Count>& count, Outlook& ahead) {
+    foresee_part(count, ahead);
+    const bool moves = std::ranges::any_of(ahead.told("seams"), [](const OutputFacts& facts) {
+        return value_of(facts, moves_fact) != 0;
+    });
     if (moves && ahead.once())
         ahead.fault(
             "carves the source once for all frames, but the warp changes from frame to frame; set "

@@ -20,9 +20,9 @@ LatticeForm form_told(const Outlook& ahead);
 void tell_warp(bool still, Outlook& ahead);
 /// Whether a warp is told to be among the input `seams`.
 bool warp_told(const Outlook& ahead);
-/// Says what a node can't carve by a warp among its `seams`: a part of it, or, if the node runs
-/// once for all frames, one that changes.
-/// @param count  the node's parameter
+/// Says that a node can't carve a part of a warp. @param count  the node's parameter
+void foresee_part(const Auto<Count>& count, Outlook& ahead);
+/// The same, and that a source which is carved once for all frames needs a warp that is still.
 void foresee_carve(const Auto<Count>& count, Outlook& ahead);
 
 }  // namespace fluidcarve
