@@ -312,11 +312,12 @@ Samples part_of(const Samples& wide, std::size_t first, std::size_t width) {
 std::vector<Shot> find_shots(const Scene& scene, const std::string& folder) {
     namespace fs = std::filesystem;
     const auto path = fs::absolute(folder) / scene.files;
+    const auto title =
+        scene.data.empty() ? scene.pipeline : fmt::format("{} {}", scene.pipeline, scene.data);
     const auto name = path.filename().string();
     if (name.find('#') == name.npos && name != "*")
-        return fs::exists(path)
-                   ? std::vector{Shot{scene, scene.pipeline, path.string(), std::nullopt}}
-                   : std::vector<Shot>{};
+        return fs::exists(path) ? std::vector{Shot{scene, title, path.string(), std::nullopt}}
+                                : std::vector<Shot>{};
     std::error_code missing;
     std::vector<std::string> files;
     for (const auto& entry : fs::directory_iterator(path.parent_path(), missing))
@@ -326,8 +327,7 @@ std::vector<Shot> find_shots(const Scene& scene, const std::string& folder) {
     if (name == "*") {
         for (const auto& file : files)
             if (const auto kind = fs::path(file).extension(); kind == ".png" || kind == ".jpg")
-                out.push_back({scene,
-                               fmt::format("{} {}", scene.pipeline, fs::path(file).stem().string()),
+                out.push_back({scene, fmt::format("{} {}", title, fs::path(file).stem().string()),
                                path.parent_path() / file, std::nullopt});
         return out;
     }
@@ -337,8 +337,7 @@ std::vector<Shot> find_shots(const Scene& scene, const std::string& folder) {
             !file.ends_with(name.substr(token + 4)))
             continue;
         const int frame = std::atoi(file.c_str() + token);
-        if (out.empty())
-            out.push_back({scene, scene.pipeline, path.string(), std::pair(frame, frame)});
+        if (out.empty()) out.push_back({scene, title, path.string(), std::pair(frame, frame)});
         out.front().range->second = frame;
     }
     return out;

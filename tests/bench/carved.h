@@ -18,6 +18,7 @@ struct Scene {
     std::string files;  ///< in a folder of data; `*`: each file there is a shot of its own
     std::vector<std::string> grids;   ///< what is seen: their mean; none: of all that there are
     std::vector<const char*> counts;  ///< of seams, or a share of the vertices along u
+    std::string data = {};  ///< what is carved, if it is not what the pipeline is named after
 };
 
 /// A scene with its data.

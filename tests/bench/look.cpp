@@ -27,7 +27,12 @@ namespace {
 /// narrow and as wide as shots ask for, or as there is room for, are shown frame by frame.
 const std::vector<Scene> scenes{
     {"plume", "sim", "plume/plume.####.vdb", {"density"}, {"-8", "+8", "+14", "-14", "+21"}},
-    {"plume", "sim", "plume_fine/plume.####.vdb", {"density"}, {"-20", "+20", "-33", "+49"}},
+    {"plume",
+     "sim",
+     "plume_fine/plume.####.vdb",
+     {"density"},
+     {"-20", "+20", "-33", "+49"},
+     "fine"},
     {"plume_ax", "sim", "plume/plume.####.vdb", {"density"}, {"-8", "+8"}},
     {"plume_path", "sim", "plume/plume.####.vdb", {"density"}, {"-5", "+5"}},
     {"vortex", "sim", "vortex/vortex.####.vdb", {"density"}, {"-6", "+6", "-8", "+10"}},
