@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from typing import Any, Dict, List, Mapping, Type, TypeVar
+from typing import Any, Dict, List, Mapping, Type, TypeVar, cast
 
 from .errors import Problem
 
@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 def taken_from(kind: Type[T], answer: Mapping[str, Any], **more: Any) -> T:
     """A dataclass from the fields of the same names, and more."""
-    names = {each.name for each in fields(kind)}
+    names = {each.name for each in fields(cast(Any, kind))}
     return kind(**{name: value for name, value in answer.items() if name in names and name not in more}, **more)
 
 

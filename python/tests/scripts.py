@@ -6,10 +6,16 @@ import tempfile
 import textwrap
 import unittest
 
+import fluidcarve
+
 try:
     import numpy
 except ImportError:
     numpy = None
+
+
+# A build without OpenVDB AX has none.
+EXPRESSIONS = os.path.exists(os.path.join(os.path.dirname(fluidcarve.program()), "fluidcarve_expressions.so"))
 
 
 @unittest.skipUnless(numpy, "this Python has no numpy")

@@ -15,7 +15,8 @@ class Families(ScriptTest):
         p = fluidcarve.Pipeline(frames="51-53")
         sim = p.vdb.read(PLUME, grids={"density": "float"})
         box = p.lattice.box(fit=sim.density)
-        seams = p.seam.python(energy=p.energy.ax(inputs={"d": sim.density}, code="@energy = abs(@d);"), lattice=box, count=-2, script=script, **fields)
+        energy = p.energy.python(inputs={"d": sim.density}, script=self.write("energy.py", "def energy(d): return abs(d.leaves)"))
+        seams = p.seam.python(energy=energy, lattice=box, count=-2, script=script, **fields)
         out = p.seams.write(seams=seams, path=os.path.join(self.folder, "seams.vdb"))
         return fluidcarve.run(p, {}, **self.options).seams["seams"]
 

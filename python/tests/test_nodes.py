@@ -5,7 +5,7 @@ import unittest
 
 import fluidcarve
 
-from .scripts import ScriptTest
+from .scripts import EXPRESSIONS, ScriptTest
 from .test_pipeline import PLUME
 
 
@@ -43,6 +43,8 @@ class Nodes(ScriptTest):
             script = f"def energy(d, gain, at):\n    assert at.frames == [51, 52, 53] and at.frames[at.time] == at.frame, at.frames\n    return {body}\n"
             results.append(self.run_one(script, params={"gain": 2.5}).seams["seams"]["energy"])
         self.assertEqual(results[1:], results[:-1])
+        if not EXPRESSIONS:
+            return
         built_in = self.pipeline("def energy(d, at): return abs(d.leaves)")
         ax = built_in.energy.ax(inputs={"d": "sim.density"}, code="@energy = 2.5f * abs(@d);", name="ax")
         built_in.change("seams", energy=ax)

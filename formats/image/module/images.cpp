@@ -370,6 +370,8 @@ void write(const std::string& path, const Image& image, int quality) {
     OIIO::Filesystem::IOVecOutput encoded;
     file->set_ioproxy(&encoded);
     bool done = file->open(path, spec);
+    // OpenImageIO 2.5 complains of windows below 0, but writes them (its pull request 4779).
+    if (done) file->geterror();
     // OpenImageIO 2.5 takes the strides of pixels as they are stored for 0 if it is to find them.
     const auto stride = static_cast<OIIO::stride_t>(spec.pixel_bytes(true));
     for (int y = 0; done && y < spec.height; y += rows_at_once) {
