@@ -174,8 +174,7 @@ TEST_CASE("a search that goes on from such a set ends as one in one go") {
     CHECK(pair_again.listener.warnings == pair.listener.warnings);
 }
 
-TEST_CASE(
-    "a count that would leave no vertex fails at the first frame, before anything is solved") {
+TEST_CASE("a count without room fails at the first frame, before anything is solved") {
     const auto told = [](const std::string& yaml, const std::array<int, 3>& shape = {8, 3, 4}) {
         return failure_of([&] {
             NodeBench(seam_pyramid(), yaml)
@@ -191,8 +190,9 @@ TEST_CASE(
           "count -4 removes more than the 3 vertices along v; at most 2 can go");
     CHECK(told("{count: -1}", {1, 3, 4}) ==
           "count -1 removes the only vertex along u; none can go");
+    CHECK(told("{count: 100%}").starts_with("8 seams do not fit: window [0, 7] has room to "));
     // One may stay alone, a window keeps what is beside it, and insertions take nothing.
-    for (const auto* const yaml : {"{count: -7}", "{count: -7, window: [1, 7]}", "{count: 100%}",
+    for (const auto* const yaml : {"{count: -7}", "{count: -7, window: [1, 7]}", "{count: 7}",
                                    "{count: -100%, best_effort: true}", "{count: 0}"})
         CHECK(told(yaml) == "");
     CHECK(run("{count: -7}").seams->seams.size() == 7);
