@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// What of a lattice windows and counts refer to; known before the lattice is.
+/// The part of a lattice that windows and counts refer to. It may be known before the run.
 struct LatticeForm {
     std::array<int, 3> shape{};  ///< I, J, K; 0: not known
     bool closed = false;         ///< as of Lattice

@@ -155,9 +155,10 @@ Film lit(const FloatGrid& smoke, const ViewWindow& window) {
 Film lit_surface(const FloatGrid& water, const ViewWindow& window) {
     Film film(window.width, window.height);
     const auto camera = window.camera(film);
-    const auto distances = FloatGrid::create(water.background());
-    distances->setTree(water.tree().copy());
-    distances->setGridClass(openvdb::GRID_LEVEL_SET);
+    // Index space at the scale of the distances.
+    const double voxel = water.voxelSize().x();
+    const auto distances =
+        water.copyReplacingTransform(openvdb::math::Transform::createLinearTransform(voxel));
     using Surface = openvdb::tools::LevelSetRayIntersector<FloatGrid>;
     const Surface surface(*distances);
     const auto light = (light_right * window.right + light_up * window.up +
@@ -178,7 +179,8 @@ Film lit_surface(const FloatGrid& water, const ViewWindow& window) {
                 for (int n = 0; n < samples * samples; ++n) {
                     const auto ray = camera.getRay(x, y, (n % samples + 0.5) / samples,
                                                    (n / samples + 0.5) / samples);
-                    if (!hits.intersectsWS(ray, place, normal)) continue;
+                    const Surface::RayType scaled(voxel * ray.eye(), ray.dir());
+                    if (!hits.intersectsWS(scaled, place, normal)) continue;
                     ++hit;
                     brightness += seen(normal);
                 }

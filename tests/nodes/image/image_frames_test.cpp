@@ -12,7 +12,6 @@
 
 #include <sys/stat.h>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <limits>
@@ -134,23 +133,13 @@ TEST_CASE("channels are outputs of their own, and frames that are missing are he
 
 TEST_CASE("windows so far off that their pixels can't be counted are refused", "[images]") {
     const Scratch scratch;
-    images().write(scratch / "a.exr", random_image("openexr", channels({"R"}, "half"), 4, 4), 95);
-    // Newer versions of OpenImageIO write no such file.
-    auto bytes = Scratch::read(scratch / "a.exr");
-    const std::string attribute("dataWindow\0box2i\0\x10\0\0\0", 21);
-    const auto at = bytes.find(attribute) + attribute.size();
-    for (const auto corner : {at, at + 2 * sizeof(std::int32_t)}) {
-        std::int32_t x = 0;
-        std::memcpy(&x, bytes.data() + corner, sizeof x);
-        x += 500000000;
-        std::memcpy(bytes.data() + corner, &x, sizeof x);
-    }
-    scratch.write("a.exr", bytes);
-    // They refuse to read it, too.
+    auto image = random_image("openexr", channels({"R"}, "half"), 4, 4);
+    image.data.x = 500000000;
+    image.display.x = -500000000;
+    images().write(scratch / "a.exr", image, 95);
     CHECK_THAT(failure_of([&] { read(scratch / "a.exr"); }),
-               Catch::Contains("its data or display window reaches more than 16777216 pixels from "
-                               "the origin") ||
-                   Catch::Contains("exceeds the allowable range"));
+               Catch::Contains(
+                   "its data or display window reaches more than 16777216 pixels from the origin"));
 }
 
 TEST_CASE("an image of more pixels than the memory takes is refused", "[images]") {
