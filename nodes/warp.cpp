@@ -14,6 +14,7 @@
 #include "nodes/solving/seam_node.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -115,7 +116,7 @@ SolverParams gathering_params(const WarpParams& params) {
     out.axis = params.axis;
     out.count.value = states_nothing(params) ? 0 : 1;
     out.window = params.window;
-    out.pair_window = params.pair_window;
+    if (params.pair_window) out.pair_window = params.pair_window->above;
     out.anchor = params.anchor;
     return out;
 }
@@ -277,8 +278,11 @@ private:
         task.seams.window = window_of(params.window, size);
         if (params.pair_window)
             task.pairs =
-                SeamTask::Part{true, Seams::Kind::remove, window_of(params.pair_window, size)};
-        return empty_seams(gathering_params(params), task, space);
+                SeamTask::Part{true, Seams::Kind::remove, params.pair_window->above.of(size)};
+        auto out = empty_seams(gathering_params(params), task, space);
+        if (params.pair_window && params.pair_window->below)
+            out.pair_below = params.pair_window->below->of(size);
+        return out;
     }
 
     /// Vertices from point to point: as few as there is time for. It goes by the size of the set
@@ -300,7 +304,8 @@ private:
         WarpTask out;
         const int size = set.carved(), planes = warp.points()[2];
         out.window = window_of(params.window, size);
-        if (params.pair_window) out.pair_window = window_of(params.pair_window, size);
+        out.pair_window = set.pair_window;
+        out.pair_below = set.pair_below;
         out.stiffness = {static_cast<double>(params.stiffness),
                          static_cast<double>(params.stiffness_time)};
         std::vector<double> amounts;
@@ -320,7 +325,7 @@ private:
     /// Where there is too little room, in words.
     static std::string why(const NoRoom& none, const Params& params, const Seams& set,
                            const CarvedSpace& space) {
-        const auto window = window_of(none.pair ? params.pair_window : params.window, set.carved());
+        const auto& window = none.window;
         const auto frame = params.static_ ? "in all frames together"
                                           : fmt::format("in frame {}", set.frames[none.t]);
         auto place = fmt::format(
@@ -446,7 +451,9 @@ NodeType warp_solve() {
                "or shares, [0%, 50%], which hold for any spacing; auto is all vertices.")
         .param("pair_window", &Params::pair_window, Unit::vertices, any_number(),
                "A second window, above the first. What is taken from one is given to the other: "
-               "only the content in them and between them moves, and the size stays. auto is none.")
+               "only the content in them and between them moves, and the size stays. Or two, "
+               "[[0%, 20%], [80%, 100%]], one below `window` and one above it: each gives one "
+               "half, and the middle stays, as a river between its banks. auto is none.")
         .param("static", &Params::static_,
                "Whether the warp is the same in all frames. It is then found by the mean stiffness "
                "over all frames.")

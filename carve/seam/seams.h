@@ -44,6 +44,7 @@ struct Seams {
                                  ///< separated by commas
     std::optional<Window> window, pair_window;  ///< vertices that seams may take; nothing:
                                                 ///< whole_window(); for pairs, as far as they reach
+    std::optional<Window> pair_below;  ///< of a warp: a second pair_window, below the window
     Anchor anchor;
     /// Vertices of a slab (METHOD 8 "Thick seams"); 1: seams are thin. So many seams of `seams`,
     /// and of `pairs`, make a slab, from the first on; the last slab may have fewer. They run side

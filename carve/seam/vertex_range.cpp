@@ -22,6 +22,11 @@ std::string text_of(const VertexRange& range) {
     return fmt::format("[{}{}, {}{}]", range.first, unit, range.last, unit);
 }
 
+std::string text_of(const PairRanges& ranges) {
+    const auto above = text_of(ranges.above);
+    return ranges.below ? fmt::format("[{}, {}]", text_of(*ranges.below), above) : above;
+}
+
 std::optional<Window> vertices_of(const Auto<VertexRange>& range) {
     return range ? range->vertices() : std::nullopt;
 }
@@ -36,6 +41,15 @@ std::optional<std::string> pair_fault(const Window& window, const VertexRange& w
                        text_of(window_stated),
                        share ? fmt::format("at vertex {} or above", window.last)
                              : fmt::format("above vertex {}", window.last));
+}
+
+std::optional<std::string> pair_below_fault(const Window& window, const VertexRange& window_stated,
+                                            const Window& pair, const VertexRange& pair_stated) {
+    if (pair.last <= window.first) return std::nullopt;
+    return fmt::format(
+        "pair_window {}, the first of two, {} window {}; it must end at vertex {} or below",
+        text_of(pair_stated), pair.first >= window.last ? "lies above" : "overlaps",
+        text_of(window_stated), window.first);
 }
 
 }  // namespace fluidcarve

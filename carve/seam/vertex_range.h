@@ -21,6 +21,12 @@ struct VertexRange {
     std::optional<Window> vertices() const;
 };
 
+/// The windows that give what another one takes: one above it, and perhaps one below it, too.
+struct PairRanges {
+    VertexRange above;
+    std::optional<VertexRange> below;
+};
+
 /// The window of a range that states no share; nothing for one that does, or is not stated.
 std::optional<Window> vertices_of(const Auto<VertexRange>& range);
 
@@ -30,7 +36,13 @@ std::optional<std::string> pair_fault(const Window& window, const VertexRange& w
                                       const Window& pair, const VertexRange& pair_stated,
                                       bool share);
 
+/// The same for a pair below the window. They may share a vertex.
+std::optional<std::string> pair_below_fault(const Window& window, const VertexRange& window_stated,
+                                            const Window& pair, const VertexRange& pair_stated);
+
 /// The range as a pipeline states it.
 std::string text_of(const VertexRange& range);
+/// The same for pairs: `[20, 30]`, or `[[0, 8], [20, 30]]`.
+std::string text_of(const PairRanges& ranges);
 
 }  // namespace fluidcarve

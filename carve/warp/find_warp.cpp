@@ -37,6 +37,22 @@ Window points_in(const Window& window, const Warp& warp) {
     return {std::min(first, last_point - 1), std::max(last, std::min(first, last_point - 1) + 1)};
 }
 
+/// A window, and how far its ends move, as shares of a column's amount.
+struct Part {
+    Window window;  ///< in vertices
+    double low = 0, high = 0;
+    bool pair = false;
+};
+
+/// The windows of a task, from below.
+std::vector<Part> parts_of(const WarpTask& task) {
+    if (!task.pair_window) return {{task.window, 0, 1}};
+    if (!task.pair_below) return {{task.window, 0, 1}, {*task.pair_window, 1, 0, true}};
+    return {{*task.pair_below, 0, -0.5, true},
+            {task.window, -0.5, 0.5},
+            {*task.pair_window, 0.5, 0, true}};
+}
+
 std::size_t row_of(const Warp& warp) { return static_cast<std::size_t>(warp.points()[0]); }
 std::size_t columns_of(const Warp& warp) {
     return static_cast<std::size_t>(warp.points()[1]) * static_cast<std::size_t>(warp.points()[2]);
@@ -65,12 +81,8 @@ class Search {
 public:
     Search(const WarpTask& task, Warp& warp, FrameStore& weights,
            const std::function<void(double)>& tick)
-        : task_(task),
-          warp_(warp),
-          weights_(weights),
-          tick_(tick),
-          windows_{points_in(task.window, warp)} {
-        if (task.pair_window) windows_.push_back(points_in(*task.pair_window, warp));
+        : task_(task), warp_(warp), weights_(weights), tick_(tick), parts_(parts_of(task)) {
+        for (const auto& part : parts_) windows_.push_back(points_in(part.window, warp));
     }
 
     int run() {
@@ -106,9 +118,12 @@ private:
     void start_evenly() {
         each_column(warp_, [&](std::size_t t, std::size_t c) {
             const auto values = column(t, c);
-            float low = 0, high = share_of(task_, warp_, t, c);
             std::ranges::fill(values, 0.0f);
-            for (const auto& window : windows_) {
+            for (std::size_t n = 0; n < parts_.size(); ++n) {
+                const float share = share_of(task_, warp_, t, c),
+                            low = share * static_cast<float>(parts_[n].low),
+                            high = share * static_cast<float>(parts_[n].high);
+                const auto window = windows_[n];
                 const auto first = static_cast<std::size_t>(window.first),
                            last = static_cast<std::size_t>(window.last);
                 const int from = warp_.vertex_of(0, window.first),
@@ -119,7 +134,6 @@ private:
                                               warp_.vertex_of(0, static_cast<int>(p)) - from) /
                                           static_cast<float>(size);
                 for (auto p = last + 1; p < values.size(); ++p) values[p] = high;
-                std::swap(low, high);
             }
         });
     }
@@ -235,7 +249,8 @@ private:
     Warp& warp_;
     FrameStore& weights_;
     const std::function<void(double)>& tick_;
-    std::vector<Window> windows_;  ///< in points
+    std::vector<Part> parts_;
+    std::vector<Window> windows_;  ///< of each part, in points
     std::vector<std::unique_ptr<WarpSystem>> systems_;
     int cycles_ = 0;
 };
@@ -244,7 +259,7 @@ private:
 struct Room {
     double ratio = 1;  ///< what there is, as a share of what is wanted; 1: enough
     std::size_t t = 0, column = 0, free = 0, of = 0;
-    bool pair = false;
+    Part part;
 };
 
 /// The room in a window of a column.
@@ -270,26 +285,24 @@ Room room_in(const Warp& warp, std::span<const std::uint16_t> codes, const Windo
 
 std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const FrameStore& weights) {
     const auto least = [](const Room& a, const Room& b) { return b.ratio < a.ratio ? b : a; };
+    const auto parts = parts_of(task);
     Room found;
     for (std::size_t t = 0; t < warp.frames(); ++t)
         found = tbb::parallel_reduce(
             ColumnRange(0, columns_of(warp), columns_per_task), found,
             [&](const ColumnRange& range, Room out) {
-                const auto look = [&](std::size_t c, const Window& window, double squeezed,
-                                      bool pair) {
-                    auto room =
-                        room_in(warp, weights.entries(t).subspan(c * row_of(warp), row_of(warp)),
-                                points_in(window, warp), squeezed);
-                    room.t = t;
-                    room.column = c;
-                    room.pair = pair;
-                    out = least(out, room);
-                };
                 for (auto c = range.begin(); c < range.end(); ++c) {
                     const double moved =
                         task.amount * static_cast<double>(share_of(task, warp, t, c));
-                    look(c, task.window, -moved, false);
-                    if (task.pair_window) look(c, *task.pair_window, moved, true);
+                    for (const auto& part : parts) {
+                        auto room = room_in(
+                            warp, weights.entries(t).subspan(c * row_of(warp), row_of(warp)),
+                            points_in(part.window, warp), moved * (part.low - part.high));
+                        room.t = t;
+                        room.column = c;
+                        room.part = part;
+                        out = least(out, room);
+                    }
                 }
                 return out;
             },
@@ -301,7 +314,8 @@ std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const Fram
                   warp.vertex_of(1, static_cast<int>(found.column % laterals)),
                   warp.vertex_of(2, static_cast<int>(found.column / laterals)),
                   found.t,
-                  found.pair,
+                  found.part.window,
+                  found.part.pair,
                   found.free,
                   found.of};
 }

@@ -19,8 +19,10 @@ inline constexpr double most_squeezed = 0.9;
 struct WarpTask {
     Window window;                      ///< vertices between which the displacement changes
     std::optional<Window> pair_window;  ///< above `window`: where it goes back to 0
-    /// How far content behind the window moves, as a share of `amount`: `[t][k]`, by points of the
-    /// warp; the greatest is 1 or -1.
+    /// Below `window`, with a `pair_window`: both then give one half, so that the middle stays.
+    std::optional<Window> pair_below;
+    /// By how much the window changes, as a share of `amount`: `[t][k]`, by points of the warp; the
+    /// greatest is 1 or -1.
     std::vector<float> shares;
     double amount = 0;  ///< vertices; negative squeezes the window
     WarpStiffness stiffness;
@@ -32,7 +34,8 @@ struct NoRoom {
     double possible = 0;
     int lateral = 0, k = 0;
     std::size_t t = 0;     ///< where room is least; by vertices
-    bool pair = false;     ///< in the pair window
+    Window window;         ///< where
+    bool pair = false;     ///< whether that is a window of the pair
     std::size_t free = 0;  ///< intervals along the axis that are not protected
     std::size_t of = 0;    ///< all intervals of the window
 };

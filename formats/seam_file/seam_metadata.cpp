@@ -148,6 +148,7 @@ std::vector<std::pair<std::string, std::string>> seam_texts(const Seams& seams) 
     if (seams.around) out.emplace_back("fluidcarve_around", "true");
     if (seams.window) out.emplace_back("fluidcarve_window", text(*seams.window));
     if (seams.pair_window) out.emplace_back("fluidcarve_pair_window", text(*seams.pair_window));
+    if (seams.pair_below) out.emplace_back("fluidcarve_pair_below", text(*seams.pair_below));
     if (seams.anchor != Anchor{}) out.emplace_back("fluidcarve_anchor", to_text(seams.anchor));
     if (seams.thick()) out.emplace_back("fluidcarve_thickness", std::to_string(seams.thickness));
     if (seams.warp) out.emplace_back(factor_name, std::to_string(seams.warp->factor()));
@@ -180,6 +181,7 @@ Seams seams_of_texts(const openvdb::MetaMap& metadata) {
     out.around = read_bool(metadata, "fluidcarve_around");
     out.window = read_window(metadata, "fluidcarve_window", out.whole_window());
     out.pair_window = read_window(metadata, "fluidcarve_pair_window", out.whole_window());
+    out.pair_below = read_window(metadata, "fluidcarve_pair_below", out.whole_window());
     out.anchor = read_anchor(metadata, out.carved());
     out.thickness = read_thickness(metadata, out.carved());
     if (out.around && (out.axis != Axis::u || out.anchor != Anchor{}))

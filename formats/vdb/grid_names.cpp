@@ -3,6 +3,8 @@
 #include "carve/base/failure.h"
 #include "carve/base/words.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <fnmatch.h>
 
 namespace fluidcarve {

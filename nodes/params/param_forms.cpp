@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 #include <utility>
@@ -151,6 +152,29 @@ std::optional<VertexRange> ParamTraits<VertexRange>::parse(const Value& value,
 }
 
 std::string ParamTraits<VertexRange>::text(const VertexRange& range) { return text_of(range); }
+
+Shape ParamTraits<PairRanges>::shape() {
+    auto out = ParamTraits<VertexRange>::shape();
+    out.of.push_back({Shape::Kind::list, {}, {ParamTraits<VertexRange>::shape()}});
+    return out;
+}
+
+std::optional<PairRanges> ParamTraits<PairRanges>::parse(const Value& value, ValueReader& reader) {
+    using Range = ParamTraits<VertexRange>;
+    const bool two = value.kind == Value::Kind::list && value.items.size() == 2 &&
+                     std::ranges::all_of(value.items, [](const Value& item) {
+                         return item.kind == Value::Kind::list;
+                     });
+    if (!two) {
+        const auto above = Range::parse(value, reader);
+        return above ? std::optional(PairRanges{*above, {}}) : std::nullopt;
+    }
+    const auto below = Range::parse(value.items[0], reader),
+               above = Range::parse(value.items[1], reader);
+    return below && above ? std::optional(PairRanges{*above, below}) : std::nullopt;
+}
+
+std::string ParamTraits<PairRanges>::text(const PairRanges& ranges) { return text_of(ranges); }
 
 Shape ParamTraits<WarpAmount>::shape() {
     // A percentage is no number in YAML.

@@ -28,6 +28,14 @@ struct ParamTraits<VertexRange> {
     static std::string text(const VertexRange& range);
 };
 
+/// A range, or two, of which the first lies below what they pair: `[[0%, 20%], [80%, 100%]]`.
+template <>
+struct ParamTraits<PairRanges> {
+    static Shape shape();
+    static std::optional<PairRanges> parse(const Value& value, ValueReader& reader);
+    static std::string text(const PairRanges& ranges);
+};
+
 /// `-7.25`, `-30%`, or `{along: w | time, at: [[0, 0], [1, -12]], over: [[1, 0], [24, 1]]}`.
 template <>
 struct ParamTraits<WarpAmount> {

@@ -9,7 +9,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <utility>
+#include <optional>
+#include <vector>
 
 namespace fluidcarve {
 
@@ -17,6 +18,35 @@ namespace {
 
 /// Curves of a ring must meet within this, in vertices.
 constexpr double most_gap = 1e-3;
+
+/// A window that a pipeline states.
+struct Named {
+    std::string name;  ///< its parameter
+    VertexRange stated;
+};
+
+/// All of them, but for windows that are left out.
+std::vector<Named> stated_windows(const WarpParams& params) {
+    std::vector<Named> out;
+    if (params.window) out.push_back({"window", *params.window});
+    if (!params.pair_window) return out;
+    if (params.pair_window->below) out.push_back({"pair_window", *params.pair_window->below});
+    out.push_back({"pair_window", params.pair_window->above});
+    return out;
+}
+
+/// What is wrong with the places of a window and its pair. @param in  makes vertices of a range
+template <class In>
+std::optional<std::string> places_fault(const WarpParams& params, const In& in) {
+    if (!params.window || !params.pair_window) return std::nullopt;
+    const auto& [above, below] = *params.pair_window;
+    const auto window = in(*params.window), upper = in(above);
+    if (window && upper)
+        if (auto fault = pair_fault(*window, *params.window, *upper, above, true)) return fault;
+    const auto lower = below ? in(*below) : std::nullopt;
+    return window && lower ? pair_below_fault(*window, *params.window, *lower, *below)
+                           : std::nullopt;
+}
 
 /// Requires that a window can be squeezed by so many vertices.
 /// @param name  of the window's parameter
@@ -50,18 +80,14 @@ void check_params(const WarpParams& params, NodeCheck& check) {
         check.fault("anchor",
                     "with a 'pair_window' neither end of the lattice moves: leave 'anchor' out");
     // Shares are vertices only once the lattice is known.
-    const auto window = vertices_of(params.window), pair_window = vertices_of(params.pair_window);
-    for (const auto& [name, of] :
-         {std::pair("window", window), std::pair("pair_window", pair_window)})
-        if (of)
-            if (const auto fault = one_vertex(name, *of)) check.fault(name, *fault);
+    for (const auto& [name, stated] : stated_windows(params))
+        if (const auto window = stated.vertices())
+            if (const auto fault = one_vertex(name, *window)) check.fault(name, *fault);
     if (params.pair_window && !params.window)
-        check.fault("pair_window",
-                    "parameter 'pair_window' needs a 'window' beside it, below it on the axis");
-    if (window && pair_window)
-        if (const auto fault =
-                pair_fault(*window, *params.window, *pair_window, *params.pair_window, true))
-            check.fault("pair_window", *fault);
+        check.fault("pair_window", "parameter 'pair_window' needs a 'window' beside it");
+    if (const auto fault =
+            places_fault(params, [](const VertexRange& range) { return range.vertices(); }))
+        check.fault("pair_window", *fault);
     const bool from_file = !params.amount_file.text().empty();
     if (!params.amount && !from_file)
         check.fault("amount",
@@ -136,19 +162,16 @@ void require_fits(const WarpParams& params, const WarpAmount& amount,
     const int size = shape[dimension(params.axis)];
     const auto vertices =
         fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(params.axis), space, size - 1);
-    for (const auto& [name, stated] :
-         {std::pair("window", params.window), std::pair("pair_window", params.pair_window)}) {
-        if (!stated) continue;
-        const auto window = stated->of(size);
+    for (const auto& [name, stated] : stated_windows(params)) {
+        const auto window = stated.of(size);
         if (window.last > size - 1)
             throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name,
-                                      text_of(*stated), vertices));
+                                      text_of(stated), vertices));
         if (const auto fault = one_vertex(name, window)) throw Failure(*fault);
     }
-    if (params.window && params.pair_window)
-        if (const auto fault = pair_fault(params.window->of(size), *params.window,
-                                          params.pair_window->of(size), *params.pair_window, true))
-            throw Failure(*fault);
+    if (const auto fault = places_fault(
+            params, [&](const VertexRange& range) { return std::optional(range.of(size)); }))
+        throw Failure(*fault);
     if (params.anchor.vertex > size - 1)
         throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}",
                                   params.anchor.vertex, vertices));
@@ -162,10 +185,12 @@ void require_fits(const WarpParams& params, const WarpAmount& amount,
             const auto where =
                 amount.varies() ? fmt::format(" at plane {} in frame {}", k, frame) : std::string();
             require_squeezable("window", window_of(params.window, size), -wanted, where);
-            if (params.pair_window)
-                require_squeezable("pair_window", window_of(params.pair_window, size), wanted,
-                                   where);
-            else if (size + wanted > most_vertices)
+            if (const auto& pair = params.pair_window) {
+                const double each = pair->below ? wanted / 2 : wanted;
+                require_squeezable("pair_window", pair->above.of(size), each, where);
+                if (pair->below)
+                    require_squeezable("pair_window", pair->below->of(size), each, where);
+            } else if (size + wanted > most_vertices)
                 throw Failure(fmt::format(
                     "an amount of {:.6g}{} makes more than {} vertices along {}; ask for less",
                     wanted, where, most_vertices, to_text(params.axis)));

@@ -17,7 +17,8 @@ struct WarpParams {
     Auto<WarpAmount> amount;  ///< nothing: that of `amount_file`
     InputPath amount_file;
     bool rest = false;
-    Auto<VertexRange> window, pair_window;
+    Auto<VertexRange> window;
+    Auto<PairRanges> pair_window;
     bool static_ = false;
     Anchor anchor;
     float field_weight = 0.1f;

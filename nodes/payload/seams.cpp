@@ -102,6 +102,7 @@ void write_all(const Seams& seams, std::ostream& to) {
     out.text(seams.lattice_hash);
     out.optional(seams.window);
     out.optional(seams.pair_window);
+    out.optional(seams.pair_below);
     out.value(seams.anchor.at);
     out.value(seams.anchor.vertex);
     out.value(seams.thickness);
@@ -129,6 +130,7 @@ Ref<Seams> read_all(std::istream& from) {
     out->lattice_hash = in.text();
     out->window = in.optional<Window>();
     out->pair_window = in.optional<Window>();
+    out->pair_below = in.optional<Window>();
     out->anchor.at = in.value_up_to(Anchor::At::vertex);
     out->anchor.vertex = in.value<int>();
     out->thickness = in.value<int>();
@@ -146,7 +148,7 @@ void add_seams_payload(Registry& registry) {
     auto type = payload_type<Seams>("seams",
                                     "Seams through a lattice over all frames, in order; or a warp, "
                                     "which moves content smoothly instead.",
-                                    &bytes_of_seams, {5, &write_all, &read_all});
+                                    &bytes_of_seams, {6, &write_all, &read_all});
     type.checksum = [](const Payload& seams) { return seam_checksum(*seams.as<Seams>()); };
     registry.add(std::move(type));
 }

@@ -9,6 +9,7 @@
 #include "nodes/python/python_script.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

@@ -137,12 +137,14 @@ struct GridResult {
     std::array<End, 6> ends;  ///< of the content: lowest and highest along x, y and z
     double voxel = 0;         ///< edge
     bool picture = false;     ///< in any frame
+    bool surface = false;     ///< whether it is a level set
     std::optional<std::pair<GridMeasure, GridMeasure>> last;
 
     /// @param neighbour  whether the frame before was added last
     void add(int frame, const Json& entry, bool neighbour) {
         const std::pair now(measure_in(entry.at("before")), measure_in(entry.at("after")));
         voxel = number_in(entry.at("voxel"));
+        surface = entry.contains("level_set");
         const bool follows = neighbour && last;
         before.add(now.first, follows ? &last->first : nullptr);
         after.add(now.second, follows ? &last->second : nullptr);
@@ -285,7 +287,9 @@ void warn_of_nothing_left(const GridResults& grids, const Context& context) {
 void warn_of_mass(const GridResults& grids, const Context& context) {
     std::vector<std::string> changes;
     for (const auto& [name, grid] : grids)
-        if (!grid.empty() && !grid.gone() && std::abs(grid.change()) >= much_mass &&
+        // A river's box says nothing of its width, and the mass of a surface is not conserved.
+        if (!grid.surface && !grid.empty() && !grid.gone() &&
+            std::abs(grid.change()) >= much_mass &&
             std::abs((1 + grid.change()) / (1 + grid.even_change()) - 1) >= unlike_even)
             changes.push_back(fmt::format("{} {}, even scaling {}", name,
                                           signed_percent(grid.change()),

@@ -1580,7 +1580,7 @@ class WarpFamily:
         amount_file: str | Param = ...,
         rest: bool | Param = ...,
         window: Sequence[bool | float | str | Param] | Sequence[float | Param] | Literal["auto"] | Param = ...,
-        pair_window: Sequence[bool | float | str | Param] | Sequence[float | Param] | Literal["auto"] | Param = ...,
+        pair_window: Sequence[Sequence[bool | float | str | Param] | Sequence[float | Param] | Param] | Sequence[bool | float | str | Param] | Sequence[float | Param] | Literal["auto"] | Param = ...,
         static: bool | Param = ...,
         anchor: int | Literal["high", "low", "middle"] | Param = ...,
         field_weight: float | Param = ...,

@@ -3,6 +3,9 @@
 #include "graph/text/xml_text.h"
 #include "runtime/html/html_parts.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 namespace fluidcarve {
 
 std::string plain(const nlohmann::ordered_json& value) {

@@ -53,7 +53,7 @@ Lattice channel() {
     rig.points = read_curve(TEST_DATA "/river/course.csv");
     LatticeSpec spec;
     spec.spacing = voxel;
-    spec.u = {-0.5, 1.5};
+    spec.u = {-1.5, 1.5};
     spec.v = {-1.2, 0.8};
     spec.smooth = Smooth::directions;
     spec.max_iterations = 1000;
@@ -118,7 +118,7 @@ Station station(const Lattice& lattice, const FloatGrid& water, const FloatGrid&
                 std::optional<double>& height) {
     const Sampler wet(water), solid(ground);
     const auto at = [&](double u, double v) { return lattice.position(Vec3d(u, v, k)); };
-    constexpr double step = 0.05, middle = 8;
+    constexpr double step = 0.05, middle = 24.0;
     const auto across = [&](double v) {
         const auto reach = [&](double direction) {
             double u = middle;
@@ -249,10 +249,11 @@ void check_bank(const Carved& carved) {
     CHECK(jerk == 0);
 }
 
-/// No face of the bank turns over, none becomes a sliver.
+/// No face of the bank turns over, none becomes a sliver. The smallest angle was 31 degrees.
 void check_faces(const Carved& carved) {
     const auto bank = carved.bank_of(frames.front());
     std::size_t first = 0, turned = 0, shortened = 0;
+    double sharpest = 0;  ///< cosine of the smallest angle
     for (const auto end : bank.ends) {
         const auto count = static_cast<std::size_t>(end) - first;
         const auto point = [&](const Mesh& mesh, std::size_t n) {
@@ -268,12 +269,18 @@ void check_faces(const Carved& carved) {
             return (point(mesh, n + 1) - point(mesh, n)).length();
         };
         turned += normal(bank).dot(normal(carved.bank)) <= 0;
-        for (std::size_t n = 0; n < count; ++n)
-            shortened += edge(bank, n) < 0.25 * edge(carved.bank, n);
+        for (std::size_t n = 0; n < count; ++n) {
+            shortened += edge(bank, n) < 0.4 * edge(carved.bank, n);
+            const auto out = point(bank, n) - point(bank, n + 1),
+                       on = point(bank, n + 2) - point(bank, n + 1);
+            // The bottom is one face, with vertices in a row.
+            if (count == 4) sharpest = std::max(sharpest, out.dot(on) / out.length() / on.length());
+        }
         first = static_cast<std::size_t>(end);
     }
     CHECK(turned == 0);
     CHECK(shortened == 0);
+    CHECK(std::acos(sharpest) * 180 / M_PI > 25);
 }
 
 }  // namespace

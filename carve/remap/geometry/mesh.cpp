@@ -55,12 +55,11 @@ CarvedMesh carve_mesh(const Mesh& mesh, const Lattice& lattice, const CarveMap& 
     std::size_t stretched = 0, torn = 0;
     for (std::size_t n = 0; n < mesh.faces(); ++n) {
         const auto face = mesh.face(n);
-        bool outside = false;
-        double farthest = 0;
+        double farthest = 0;  ///< of its edges across the rim
         for (std::size_t c = 0; c < face.size(); ++c) {
             const auto a = face[c], b = face[(c + 1) % face.size()];
-            outside = outside || !ways[a].inside;
-            farthest = std::max(farthest, ways[a].length());
+            if (ways[a].inside != ways[b].inside)
+                farthest = std::max(farthest, ways[ways[a].inside ? a : b].length());
             const double length = (mesh.points[a] - mesh.points[b]).length() / lattice.spacing;
             if (!ways[a].inside || !ways[b].inside || length <= 2 ||
                 VertexMove{true, ways[a].by - ways[b].by}.length() < least_way)
@@ -68,7 +67,7 @@ CarvedMesh carve_mesh(const Mesh& mesh, const Lattice& lattice, const CarveMap& 
             ++stretched;
             out.stretched.worst = std::max(out.stretched.worst, length);
         }
-        if (!outside || farthest < least_way) continue;
+        if (farthest < least_way) continue;
         ++torn;
         out.torn.worst = std::max(out.torn.worst, farthest);
     }

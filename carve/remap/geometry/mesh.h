@@ -22,8 +22,8 @@ struct CarvedMesh {
     /// vertex or more. A seam runs through such an edge, but the edge stays straight. Worst: the
     /// longest edge.
     MeshStrain stretched;
-    /// Faces across a rim: some of their vertices move by half a vertex or more, others lie outside
-    /// the lattice and stay. Worst: the longest displacement.
+    /// Faces with an edge across a rim: one end moves by half a vertex or more, the other one lies
+    /// outside the lattice and stays. Worst: the longest displacement.
     MeshStrain torn;
 };
 

@@ -220,6 +220,33 @@ TEST_CASE(
     CHECK(found.at(20) < 2.5);
 }
 
+TEST_CASE("between two windows that give one half each, the middle stays") {
+    Found found({31, 4, 3, 2}, [](int, int, int, int) { return 1.0; });
+    found.task.pair_below = Window{2, 8};
+    found.task.window = {10, 20};
+    found.task.pair_window = Window{22, 28};
+    found.find(-4);
+    const auto wanted = [](int u) {
+        if (u <= 2 || u >= 28) return 0.0;
+        if (u <= 8) return 2.0 * (u - 2) / 6;
+        if (u <= 10) return 2.0;
+        if (u <= 20) return 2.0 - 4.0 * (u - 10) / 10;
+        return u <= 22 ? -2.0 : -2.0 * (28 - u) / 6;
+    };
+    found.each([&](int u, int lateral, int k, int t) {
+        REQUIRE(found.at(u, lateral, k, t) == Approx(wanted(u)).margin(1e-4));
+    });
+    // Each of them has room for one half: 5.4 of 6 intervals.
+    found.task.amount = 10.7;
+    CHECK_FALSE(no_room(found.task, found.warp, found.weights));
+    found.task.amount = 10.9;
+    const auto none = no_room(found.task, found.warp, found.weights);
+    REQUIRE(none);
+    CHECK(none->possible == Approx(10.8));
+    CHECK(none->pair);
+    CHECK(none->window.first == 2);
+}
+
 TEST_CASE("columns whose share is 0 do not move at all, others by their share") {
     Found found({20, 4, 6, 2}, noise(9));
     for (std::size_t t = 0; t < 2; ++t)

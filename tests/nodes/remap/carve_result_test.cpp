@@ -217,6 +217,16 @@ TEST_CASE(
                 "seams, `amount` of a warp), keep the carve off the content (`protect` of the "
                 "solver), or keep the mass of densities (`conserve`)"});
     CHECK(removed({{block(0, 9, 1), block(0, 7, 1, "fuel")}}, {1, 1, 1, 1}).warnings.empty());
+    // The box around a surface says nothing of its width.
+    const auto bulge = FloatGrid::create(1.5f);
+    bulge->setName("surface");
+    bulge->setGridClass(openvdb::GRID_LEVEL_SET);
+    bulge->sparseFill(CoordBBox(Coord(0, 0, 0), Coord(24, 3, 3)), 0.5f);
+    bulge->sparseFill(CoordBBox(Coord(1, 1, 1), Coord(23, 1, 1)), -0.5f);
+    bulge->sparseFill(CoordBBox(Coord(10, 0, 0), Coord(13, 3, 3)), -0.5f);
+    const auto out = removed({{bulge}}, {10, 10});
+    CHECK(out.warnings.empty());
+    CHECK(out.lines.size() == 1);
 }
 
 TEST_CASE(

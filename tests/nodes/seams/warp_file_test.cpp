@@ -70,6 +70,13 @@ TEST_CASE(
         CHECK(equal_warps(read_seams(scratch / "warp.vdb"), seams));
         CHECK(read_vdb(scratch / "warp.vdb").grids.size() == seams.warp->frames());
     }
+    auto between = some_warp();
+    between.window = Window{3, 5};
+    between.pair_window = Window{6, 8};
+    between.pair_below = Window{0, 2};
+    write_seams(scratch / "between.vdb", between);
+    CHECK(read_seams(scratch / "between.vdb").pair_below->last == 2);
+    CHECK(equal_warps(read_seams(scratch / "between.vdb"), between));
     // What a file holds is what moves.
     auto scaled = some_warp();
     scaled.warp->set_scale(0.5);

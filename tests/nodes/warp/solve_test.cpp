@@ -251,6 +251,30 @@ TEST_CASE("the anchor of a warp stays in place in each column") {
     CHECK(at(*vertex.seams, 9, 1, 5, 2) == 0);
 }
 
+TEST_CASE("a warp between two windows moves both ends of its own window, and is kept for all") {
+    const std::string windows = "window: [9, 14], pair_window: [[1, 8], [15, 22]]";
+    const auto solved = warp("{amount: -1, " + windows + "}");
+    CHECK(at(*solved.seams, 1, 2, 3, 1) == 0);
+    CHECK(at(*solved.seams, 8, 2, 3, 1) == 0.5);
+    CHECK(at(*solved.seams, 9, 2, 3, 1) == 0.5);
+    CHECK(at(*solved.seams, 14, 2, 3, 1) == -0.5);
+    CHECK(at(*solved.seams, 22, 2, 3, 1) == 0);
+    CHECK(solved.seams->shape_after(1) == shape);
+    REQUIRE(solved.seams->warp->linear());
+    REQUIRE(solved.seams->pair_below);
+    CHECK(solved.seams->pair_below->last == 8);
+    // As text it is read back.
+    const NodeBench bench(warp_solve(), "{amount: -1, " + windows + "}");
+    CHECK(warp_solve().param("pair_window")->text(bench.params()) == "[[1, 8], [15, 22]]");
+    // What is kept answers other amounts of its sign.
+    const auto less = "{amount: -0.25, " + windows + "}";
+    auto entry = solved.listener.entry;
+    const auto cut = growth().first(Payload(solved.seams), wanted(less), entry).as<Seams>();
+    const auto own = warp(less);
+    CHECK(same_values(*cut->warp, *own.seams->warp));
+    CHECK(cut->warp->scale() == own.seams->warp->scale());
+}
+
 TEST_CASE("a static warp is the same in all frames") {
     const auto solved = warp("{amount: -3, static: true}");
     CHECK(solved.seams->warp->frames() == 1);
@@ -335,6 +359,11 @@ TEST_CASE("what warp.solve can't do is told with its place, its fault and a reme
     CHECK_THAT(
         fails("{amount: -3, window: [20, 30]}"),
         Contains("window [20, 30] leaves the lattice, which has 24 vertices along u: 0 to 23"));
+    CHECK_THAT(fails("{amount: 10, window: [9, 14], pair_window: [[0, 4], [16, 20]]}"),
+               Contains("squeezes pair_window [16, 20] by 5 vertices, but at most 3.6"));
+    CHECK_THAT(fails("{amount: 3, window: [20%, 80%], pair_window: [[0%, 30%], [80%, 100%]]}"),
+               Contains("[0%, 30%], the first of two, overlaps window [20%, 80%]; it must end at "
+                        "vertex 5 or below"));
     CHECK_THAT(fails("{amount: -3, anchor: 24}"), Contains("anchor 24 lies beyond the lattice"));
     auto undefined = energies();
     undefined[1]->tree().setValue(Coord(3, 2, 1), std::numeric_limits<float>::quiet_NaN());
@@ -391,6 +420,10 @@ TEST_CASE("a bad amount is refused before the run") {
     CHECK_THAT(faults("{amount: -3, factor: 3}"), Contains("must be auto, 1, 2 or 4, not 3"));
     CHECK_THAT(faults("{amount: -3, window: [3, 9], pair_window: [5, 12]}"),
                Contains("overlaps window [3, 9]"));
+    CHECK_THAT(faults("{amount: -3, window: [9, 14], pair_window: [[15, 18], [20, 23]]}"),
+               Contains("[15, 18], the first of two, lies above window [9, 14]"));
+    CHECK_THAT(faults("{amount: -3, window: [9, 14], pair_window: [[1, 2], [3, 4], [20, 23]]}"),
+               Contains("must be [first, last]"));
     CHECK_THAT(faults("{amount: -3, pair_window: [5, 12]}"),
                Contains("needs a 'window' beside it"));
     CHECK_THAT(faults("{amount: -3, window: [2.5, 9]}"), Contains("whole vertices"));
