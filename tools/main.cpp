@@ -4,6 +4,7 @@
 #include "tools/verbs/commands.h"
 
 #include <fcntl.h>
+#include <tbb/cache_aligned_allocator.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -16,6 +17,13 @@ namespace {
 void open_standard_streams() {
     for (int number = STDIN_FILENO; number <= STDERR_FILENO; ++number)
         if (::fcntl(number, F_GETFD) == -1) static_cast<void>(::open("/dev/null", O_RDWR));
+}
+
+/// Lets TBB take its first memory where a refusal is thrown. While it sets itself up, TBB of 2022 and
+/// later would wait for ever.
+void warm_allocator() {
+    tbb::cache_aligned_allocator<char> allocator;
+    allocator.deallocate(allocator.allocate(1), 1);
 }
 
 /// Runs before the libraries are initialised: some start threads and allocate then.
@@ -31,6 +39,7 @@ int main(int argc, char** argv) {
     open_standard_streams();
     int code = fluidcarve::exit_code::node_failed;
     try {
+        warm_allocator();
         code = fluidcarve::run_command_line(argc, argv, fluidcarve::builtin_registry());
     } catch (const std::exception& error) {
         std::fputs(fluidcarve::breakdown_text(&error).c_str(), stderr);

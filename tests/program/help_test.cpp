@@ -17,7 +17,7 @@ std::vector<std::string> verbs() {
     for (std::string line; std::getline(help, line);) {
         if (listed && line.starts_with("  ") && line.size() > 2 && line[2] != ' ')
             out.push_back(line.substr(2, line.find(' ', 2) - 2));
-        listed = listed || line == "Subcommands:";
+        listed = listed || line == "Subcommands:" || line == "SUBCOMMANDS:";
     }
     return out;
 }

@@ -39,6 +39,14 @@ const std::string fire =
     "scene; the reader's `translate` gives it back\n"
     "  changes: flame: the box of active voxels changes from frame to frame\n";
 
+/// What inspect prints, without what depends on the library's version.
+std::string printed(const std::string& arguments) {
+    auto out = fluidcarve_program("inspect " + arguments).out;
+    const std::string note = "  note: the file's version is 224; it would be written as 225\n";
+    if (const auto at = out.find(note); at != std::string::npos) out.erase(at, note.size());
+    return out;
+}
+
 }  // namespace
 
 TEST_CASE(
@@ -47,11 +55,12 @@ TEST_CASE(
         "inspect tests/data/bonfire/bonfire.0037.vdb tests/data/bonfire/bonfire.0038.vdb");
     CHECK(files.code == 0);
     CHECK(files.err == "");
-    CHECK(files.out == fire);
-    CHECK(fluidcarve_program("inspect tests/data/bonfire/bonfire.####.vdb").out == fire);
+    CHECK(printed("tests/data/bonfire/bonfire.0037.vdb tests/data/bonfire/bonfire.0038.vdb") ==
+          fire);
+    CHECK(printed("tests/data/bonfire/bonfire.####.vdb") == fire);
     const auto folder = fluidcarve_program("inspect tests/data/bonfire");
     CHECK(folder.code == 0);
-    CHECK_THAT(folder.out,
+    CHECK_THAT(printed("tests/data/bonfire"),
                Catch::StartsWith(fire + "tests/data/bonfire/firepit.obj: 26728 bytes, a mesh of "
                                         "256 vertices and 256 faces, world "
                                         "[-1.18, -1.18, 0.02] to [1.18, 1.18, 0.38]\n"));

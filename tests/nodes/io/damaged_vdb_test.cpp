@@ -93,9 +93,11 @@ TEST_CASE("what is wrong with a file is said in words") {
     changed[changed.find("Tree_float")] = 'X';
     scratch.write("strange.vdb", changed);
     is("strange.vdb",
-       ": grid 'ls_sphere' is of type Xree_float_5_4_3, which OpenVDB 10.0.1 does not know; it can "
-       "be copied unchanged only from a file of version 224, but "
-       "this one has 222: write the file without this grid");
+       fmt::format(": grid 'ls_sphere' is of type Xree_float_5_4_3, which OpenVDB {} does not "
+                   "know; it can be copied unchanged only from a file of version {}, but this one "
+                   "has 222: write the file without this grid",
+                   openvdb::getLibraryVersionString(),
+                   static_cast<unsigned>(openvdb::OPENVDB_FILE_VERSION)));
     changed = whole;
     changed[8] = '\xff';
     scratch.write("newer.vdb", changed);

@@ -4,6 +4,7 @@
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
 
+#include <fmt/format.h>
 #include <openvdb/tools/LevelSetSphere.h>
 #include <catch2/catch.hpp>
 
@@ -23,6 +24,12 @@ std::vector<std::string> oddities(const Json& facts) {
 openvdb::GridBase::Ptr named(const openvdb::GridBase::Ptr& grid, const std::string& name) {
     grid->setName(name);
     return grid;
+}
+
+/// What is said of a file whose version is not the library's own.
+std::string version_note(unsigned version) {
+    return fmt::format("the file's version is {}; it would be written as {}", version,
+                       static_cast<unsigned>(openvdb::OPENVDB_FILE_VERSION));
 }
 
 Json look_at(const Scratch& scratch, const Volume& volume) {
@@ -52,7 +59,10 @@ TEST_CASE("inspect says what is in a file of Blender's, and what surprises in it
     }
     CHECK(density["range"][1].get<double>() == Approx(0.996582).epsilon(1e-6));
     CHECK(density["metadata"]["file_base_resolution"] == "[44, 44, 88]");
-    CHECK(oddities(facts) ==
+    auto odd = oddities(facts);
+    // Libraries write 224 up to OpenVDB 12.
+    std::erase(odd, version_note(224));
+    CHECK(odd ==
           std::vector<std::string>{
               "velocity: staggered: component c stands on the face below its voxel along axis c",
               "velocity: its vector type is invariant: other tools don't rotate it with its "
@@ -78,7 +88,8 @@ TEST_CASE("inspect's text names file, grids, spaces and notes") {
               "world [-1.1, 1.1, -1.1] to [1.1, 2.9, 1.1], 1.11658e-07 to 1\n"
               "  voxels of [0.2, 0.2, 0.2], the first at [0, 2, 0], UniformScaleTranslateMap "
               "(density)\n"
-              "  note: the file's version is 223; it would be written as 224\n");
+              "  note: " +
+              version_note(223) + "\n");
     CHECK_THAT(vdb_inspector().text(vdb_inspector().look(data + "/vdb/cortex_points.vdb")),
                Catch::Contains(", 8 points with P (vec3s fxpt16)\n"));
 }
