@@ -120,9 +120,10 @@ NodeType time_carve() {
                "Number of the first frame. auto is that of the source.")
         .output("volume", &TimeCarve::Ports::volume,
                 "The same grids. All but the places that just change are bit for bit those of a "
-                "frame of the source. Whole numbers, masks and points change at one moment.")
+                "frame of the source. Points go over one by one, by their `id` if they have one. "
+                "Whole numbers and masks change at one moment.")
         .names_as("volume", "source")
-        .version(2)
+        .version(3)
         .kept();
 }
 
@@ -347,10 +348,11 @@ NodeType time_loop() {
         .param("start", &Params::start, Unit::frames, any_number(),
                "Number of the first frame. auto is that of the source.")
         .output("volume", &Loop::Ports::volume,
-                "The same grids. Frames before the fade stay bit for bit. Whole numbers, masks and "
-                "points are those of the nearer side.")
+                "The same grids. Frames before the fade stay bit for bit. Points go over one "
+                "by one, by their `id` if they have one. Whole numbers and masks are those of the "
+                "nearer side.")
         .names_as("volume", "source")
-        .version(2)
+        .version(3)
         .kept();
 }
 

@@ -83,7 +83,7 @@ public:
                     "are blended");
             *out = volume_between(a.volume, b.volume, moment.share, motion.get(), params.transport);
         }
-        if (a.velocity) *out = scaled(*out, a.velocity->getName(), moment.rate);
+        *out = scaled(*out, a.velocity ? a.velocity->getName() : "", moment.rate);
         io.volume = out;
     }
 
@@ -152,10 +152,11 @@ NodeType time_retime() {
             "volume", &Retime::Ports::volume,
             "The same grids. Frames of the source stay bit for bit, but for a velocity whose time "
             "goes faster or slower. Sums of floats between frames lie between theirs; level sets "
-            "are means of distances; whole numbers, masks and points are those of the nearer "
-            "frame, see time.retime_points.")
+            "are means of distances; points go as in time.retime_points; whole numbers and masks "
+            "are "
+            "those of the nearer frame.")
         .names_as("volume", "source")
-        .version(2)
+        .version(3)
         .kept();
 }
 

@@ -94,6 +94,7 @@ inside() {  # inside ROOT COMMAND...
 lintian --fail-on error "$dist"/*.deb
 for suite in "${@:2}"; do
     root=build-platforms/$suite/bare
+    mkdir -p "${root%/*}"
     [ -e "$root/etc/debian_version" ] || debootstrap --variant=minbase "$suite" "$root" >/dev/null
     inside "$root" setpriv --reuid 1234 --regid 1234 --clear-groups bash "$scratch/try.sh" "$scratch" "$suite"
     [ "$suite" = "$(. /etc/os-release && echo "$VERSION_CODENAME")" ] || continue

@@ -19,11 +19,12 @@ void open_standard_streams() {
         if (::fcntl(number, F_GETFD) == -1) static_cast<void>(::open("/dev/null", O_RDWR));
 }
 
-/// Lets TBB take its first memory where a refusal is thrown. While it sets itself up, TBB of 2022 and
-/// later would wait for ever.
+/// Lets TBB take its first memory, of each size that it needs to set itself up, where a refusal is
+/// thrown. While it sets itself up, TBB of 2022 and later would wait for ever.
 void warm_allocator() {
     tbb::cache_aligned_allocator<char> allocator;
-    allocator.deallocate(allocator.allocate(1), 1);
+    for (const std::size_t size : {1, 1 << 13, 1 << 16, 1 << 20})
+        allocator.deallocate(allocator.allocate(size), size);
 }
 
 /// Runs before the libraries are initialised: some start threads and allocate then.

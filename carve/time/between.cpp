@@ -1,6 +1,10 @@
 #include "carve/time/between.h"
 
+#include "carve/points/point_grid.h"
+#include "carve/points/point_vectors.h"
+#include "carve/stream/openvdb_types.h"
 #include "carve/time/advect.h"
+#include "carve/time/points_between.h"
 
 #include <openvdb/tools/Activate.h>
 #include <openvdb/tools/ChangeBackground.h>
@@ -192,12 +196,21 @@ Plane picture_between(const Plane& a, const Plane& b, double share, const Vector
     });
 }
 
+/// The points of a volume's grid.
+Points points_in(const VolumeGrid& held) {
+    require_sound(*held.grid(), "the source");
+    Points out;
+    out.grid = held.grid();
+    return out;
+}
+
 /// The grids of one of two volumes, the floats and vectors among them mixed of both.
 /// @param mix      makes a grid of two of one type, of which one may be null
 /// @param picture  makes a picture's channel of two
-template <class Mix, class Picture>
+/// @param points   makes points of two
+template <class Mix, class Picture, class MixPoints>
 Volume paired(const Volume& a, const Volume& b, const Volume& nearer, const Mix& mix,
-              const Picture& picture) {
+              const Picture& picture, const MixPoints& points) {
     const auto first = a.unique_names(), second = b.unique_names(), names = nearer.unique_names();
     const auto in = [](const Volume& volume, const std::vector<std::string>& all,
                        const std::string& name) {
@@ -223,6 +236,8 @@ Volume paired(const Volume& a, const Volume& b, const Volume& nearer, const Mix&
             else mixed(static_cast<const FloatGrid*>(nullptr));
         } else if (held.header().isType<VectorGrid>())
             mixed(static_cast<const VectorGrid*>(nullptr));
+        else if (is_point_grid(held.header()) && before && after)
+            held = held.holding(points(points_in(before), points_in(after)).grid);
     }
     return out;
 }
@@ -238,6 +253,11 @@ Volume volume_between(const Volume& a, const Volume& b, double share, const Vect
         },
         [&](const Plane& old, const Plane& now, const openvdb::math::Transform& place) {
             return picture_between(old, now, share, motion, place);
+        },
+        [&](const Points& old, const Points& now) {
+            const auto name = velocity_name(old);
+            return points_between(old, now, share,
+                                  {name, name.empty() ? 0 : point_scale(old, now, name)});
         });
 }
 
@@ -255,16 +275,27 @@ Volume volume_mixed(const Volume& a, const Volume& b,
                 if (part == 0 || before == after) return before;
                 return part == 1 ? after : before * (1 - part) + after * part;
             });
+        },
+        [&](const Points& old, const Points& now) {
+            return points_mixed(old, now, share, &nearer == &a ? old : now);
         });
 }
 
 Volume scaled(const Volume& volume, const std::string& name, double by) {
     auto out = volume;
+    if (by == 1) return out;
     for (auto& grid : out.grids)
-        if (by != 1 && grid.name() == name && grid.header().isType<VectorGrid>()) {
+        if (grid.name() == name && grid.header().isType<VectorGrid>()) {
             const auto copy = openvdb::gridConstPtrCast<VectorGrid>(grid)->deepCopy();
             multiply(*copy, by);
             grid = copy;
+        } else if (is_point_grid(grid.header())) {
+            const auto points = points_in(grid);
+            const auto attribute = velocity_name(points);
+            auto velocities = vectors_of(points, attribute);
+            for (auto& velocity : velocities) velocity *= by;
+            if (!velocities.empty())
+                grid = grid.holding(with_vectors(points, attribute, velocities).grid);
         }
     return out;
 }

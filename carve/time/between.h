@@ -20,8 +20,8 @@ struct ChoiceNames<Transport> {
 };
 
 /// The volume at a moment between two frames. Numbers and vectors come from both frames, moved
-/// along the motion, in the shares of the moment; whole numbers, masks and points from the nearer
-/// frame. A float grid that is no level set sums up to what lies between the sums of both frames. A
+/// along the motion, in the shares of the moment; points go along their own velocities, as
+/// points_between(); whole numbers and masks are those of the nearer frame. A float grid that is no level set sums up to what lies between the sums of both frames. A
 /// grid that only one frame has fades. A picture's channel moves in its plane; what lies beyond its
 /// rim is what lies there.
 /// @param share   of the way from `a` to `b`, between 0 and 1
@@ -29,16 +29,16 @@ struct ChoiceNames<Transport> {
 Volume volume_between(const Volume& a, const Volume& b, double share, const VectorGrid* motion,
                       Transport transport);
 
-/// The volume of two, by a share of the second that differs from place to place. Whole numbers,
-/// masks and points are those of the nearer one.
+/// The volume of two, by a share of the second that differs from place to place. Points as
+/// points_mixed(); whole numbers and masks are those of the nearer one.
 /// @param share   at a world position, from 0 to 1
 /// @param nearer  `a` or `b`
 Volume volume_mixed(const Volume& a, const Volume& b,
                     const std::function<double(const openvdb::Vec3d&)>& share,
                     const Volume& nearer);
 
-/// Multiplies the grids of a name by a number: velocities, where time goes faster.
-/// @return the volume itself if it has none, or the number is 1
+/// Multiplies velocities by a number, where time goes faster: the grids of a name, which may be
+/// empty, and those of points.
 Volume scaled(const Volume& volume, const std::string& name, double by);
 
 }  // namespace fluidcarve

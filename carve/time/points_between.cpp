@@ -232,6 +232,27 @@ double point_scale(const Points& a, const Points& b, const std::string& velocity
     return square > 0 ? along / square : 0;
 }
 
+Points points_mixed(const Points& a, const Points& b,
+                    const std::function<double(const Vec3d&)>& share, const Points& nearer) {
+    if (!alike(a, b)) return nearer;
+    std::vector<PointImage> images;
+    const auto show = [&](const Points& points, bool of_a) {
+        const auto at = points.positions();
+        const auto ids = points.identities();
+        for (std::size_t n = 0; n < at.size(); ++n)
+            if (of_a == (share(at[n]) <= moment_of(ids[n])))
+                images.push_back(
+                    {static_cast<std::uint32_t>((of_a ? 0 : a.size()) + n), !of_a, at[n]});
+    };
+    show(a, true);
+    const auto of_a = images.size();
+    show(b, false);
+    const auto of_b = images.size() - of_a;
+    if (of_a == a.size() && of_b == 0) return a;
+    if (of_a == 0 && of_b == b.size()) return b;
+    return with_images(a, images, &b);
+}
+
 Points points_between(const Points& a, const Points& b, double share, const PointMotion& motion) {
     Between between(a, b, share, motion);
     const bool first = share < 0.5;

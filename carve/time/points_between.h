@@ -2,6 +2,9 @@
 
 #include "carve/points/points.h"
 
+#include <openvdb/Types.h>
+
+#include <functional>
 #include <string>
 
 namespace fluidcarve {
@@ -19,6 +22,15 @@ struct PointMotion {
 /// of points that both have lie between. A velocity that is not finite counts as 0.
 /// @param share  of the way from `a` to `b`, between 0 and 1
 Points points_between(const Points& a, const Points& b, double share, const PointMotion& motion);
+
+/// The points of two frames, by a share of the second that differs from place to place: each point
+/// goes over at a share of its own, the same for points of one `id`, so that none is shown twice
+/// and they stay as dense as before. If the two have other attributes, those of the nearer one.
+/// @param share   at a world position, from 0 to 1
+/// @param nearer  `a` or `b`
+Points points_mixed(const Points& a, const Points& b,
+                    const std::function<double(const openvdb::Vec3d&)>& share,
+                    const Points& nearer);
 
 /// The scale at which the velocities of two frames say best where their points go. With ids by
 /// least squares; else that at which points, moved, come nearest to points of the other frame.

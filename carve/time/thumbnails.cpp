@@ -2,6 +2,8 @@
 
 #include "carve/base/values.h"
 #include "carve/field/collocate.h"
+#include "carve/points/point_vectors.h"
+#include "carve/stream/openvdb_types.h"
 #include "carve/time/sequence.h"
 
 #include <openvdb/tools/Interpolation.h>
@@ -54,10 +56,29 @@ void Thumbnails::add(const Volume& volume, const Ref<VectorGrid>& given) {
             if (std::isfinite(moved.lengthSqr()))
                 momenta.setValueOn(cube, momenta.getValue(cube) + moved);
         }
-    }
+    } else add_points(volume, out);
     if (frames_.size() < 2) return;
     const auto now = squares(frames_[frames_.size() - 2], frames_.back());
     for (std::size_t n = 0; n < now.size(); ++n) typical_[n] += now[n];
+}
+
+void Thumbnails::add_points(const Volume& volume, Frame& to) {
+    openvdb::tree::ValueAccessor<openvdb::FloatTree> counts(to.shown);
+    openvdb::tree::ValueAccessor<openvdb::Vec3STree> momenta(to.momentum);
+    for (const auto& held : volume.grids) {
+        if (!is_point_grid(held.header())) continue;
+        Points points;
+        points.grid = held.grid();
+        if (!voxels_) voxels_ = points.grid->transform().copy();
+        const auto positions = points.positions();
+        const auto velocities = vectors_of(points, velocity_name(points));
+        for (std::size_t n = 0; n < positions.size(); ++n) {
+            const auto cube = cube_of(voxels_->worldToIndexCellCentered(positions[n]));
+            counts.setValueOn(cube, counts.getValue(cube) + 1);
+            if (!velocities.empty() && openvdb::math::isFinite(velocities[n]))
+                momenta.setValueOn(cube, momenta.getValue(cube) + openvdb::Vec3s(velocities[n]));
+        }
+    }
 }
 
 std::array<double, 2> Thumbnails::squares(const Frame& a, const Frame& b) const {

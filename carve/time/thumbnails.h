@@ -12,7 +12,7 @@
 namespace fluidcarve {
 
 /// Small images of all frames of a sequence, to tell how much two of them differ: what is shown,
-/// and where it moves to.
+/// and where it moves to. Where no float grid shows anything, points do: how many lie where.
 class Thumbnails {
 public:
     /// Adds the next frame.
@@ -29,11 +29,14 @@ private:
         openvdb::FloatTree shown;     ///< sums over cubes of 4^3 voxels
         openvdb::Vec3STree momentum;  ///< the same of what is shown times its velocity
     };
+    /// Counts the points of a volume, by the voxels of the first ones.
+    void add_points(const Volume& volume, Frame& to);
     /// Squared difference of two frames: of what they show, and of its momentum.
     std::array<double, 2> squares(const Frame& a, const Frame& b) const;
 
     std::vector<Frame> frames_;
-    std::array<double, 2> typical_{};  ///< sums of the squares of neighbouring frames
+    openvdb::math::Transform::ConstPtr voxels_;  ///< of points; null: there were none
+    std::array<double, 2> typical_{};            ///< sums of the squares of neighbouring frames
 };
 
 }  // namespace fluidcarve

@@ -2,6 +2,17 @@
 
 namespace fluidcarve {
 
+namespace {
+
+/// From 2.5 on, CLI11 would set the lines of examples anew, as a paragraph.
+template <class Formatter>
+void keep_lines(Formatter& formatter) {
+    if constexpr (requires { formatter.enable_footer_formatting(false); })
+        formatter.enable_footer_formatting(false);
+}
+
+}  // namespace
+
 void add_examples(CLI::App& app) {
     const std::map<std::string, const char*> examples{
         {"run",
@@ -81,8 +92,10 @@ void add_examples(CLI::App& app) {
          "  source <(fluidcarve completion zsh)       in ~/.zshrc, after compinit\n"
          "  fluidcarve completion fish | source       in ~/.config/fish/config.fish"}};
     for (auto* const verb : app.get_subcommands([](CLI::App*) { return true; }))
-        if (const auto found = examples.find(verb->get_name()); found != examples.end())
+        if (const auto found = examples.find(verb->get_name()); found != examples.end()) {
+            keep_lines(*verb->get_formatter());
             verb->footer(std::string("Examples:\n") + found->second);
+        }
 }
 
 }  // namespace fluidcarve

@@ -1,6 +1,8 @@
 #include "carve/time/points_between.h"
 
 #include "carve/points/point_vectors.h"
+#include "carve/time/between.h"
+#include "carve/time/thumbnails.h"
 #include "tests/support/point_lists.h"
 
 #include <catch2/catch.hpp>
@@ -139,6 +141,86 @@ TEST_CASE("a velocity that is not finite moves nothing") {
     const auto at = places(points_between(a, b, 0.25, {"v", 0.5}));
     CHECK((at.at(0) - Vec3d(0.25)).length() < 1e-9);
     CHECK((at.at(1) - Vec3d(1.25)).length() < 1e-9);
+}
+
+TEST_CASE("where one frame goes over into another, each point is shown once, by its id") {
+    const auto box = openvdb::BBoxd(Vec3d(0), Vec3d(1));
+    const std::vector<Vec3d> still(2000, Vec3d(0));
+    const auto at = scattered(box, 2000, 1);
+    auto moved = at;
+    for (auto& each : moved) each.y() += 0.25;
+    for (const bool vdb : {false, true}) {
+        auto a = flowing(at, still), b = flowing(moved, still);
+        if (vdb) a = in_vdb(a), b = in_vdb(b);
+        // From the first to the second along x.
+        const auto share = [](const Vec3d& world) {
+            return std::clamp(3 * world.x() - 1, 0.0, 1.0);
+        };
+        const auto mixed = places(points_mixed(a, b, share, a));
+        const auto old = places(a), now = places(b);
+        REQUIRE(mixed.size() == 2000);
+        std::size_t second = 0, between = 0;
+        for (const auto& [id, place] : mixed) {
+            const bool of_b = place.y() - old.at(id).y() > 0.1;
+            REQUIRE((place - (of_b ? now : old).at(id)).length() < 1e-6);
+            if (share(place) == 0) REQUIRE_FALSE(of_b);
+            else if (share(place) == 1) REQUIRE(of_b);
+            else {
+                ++between;
+                second += of_b;
+            }
+        }
+        CHECK(static_cast<double>(second) == Approx(0.5 * static_cast<double>(between)).margin(40));
+        // One side alone keeps its bits.
+        CHECK(points_mixed(
+                  a, b, [](const Vec3d&) { return 1.0; }, a)
+                  .grid == b.grid);
+        CHECK(points_mixed(
+                  a, b, [](const Vec3d&) { return 0.0; }, b)
+                  .ply == a.ply);
+    }
+    const auto other = points_at(at);
+    CHECK(points_mixed(
+              flowing(at, still), other, [](const Vec3d&) { return 0.5; }, other)
+              .ply == other.ply);
+}
+
+TEST_CASE("the points of a volume go along in time as others do, and their velocities with it") {
+    const auto a = in_vdb(turned(0)), b = in_vdb(turned(0.6));
+    const auto held = [](const Points& points) {
+        Volume out;
+        out.grids.push_back(points.grid);
+        return out;
+    };
+    const auto points_of = [](const Volume& volume) {
+        Points out;
+        out.grid = volume.grids.at(0).grid();
+        return out;
+    };
+    const auto between =
+        points_of(volume_between(held(a), held(b), 0.3, nullptr, Transport::semi_lagrangian));
+    CHECK(farthest(between, points_between(a, b, 0.3, {"v", point_scale(a, b, "v")})) == 0);
+    CHECK(farthest(between, turned(0.18)) < 0.008);
+    const auto half = [](const Vec3d&) { return 0.5; };
+    CHECK(places(points_of(volume_mixed(held(a), held(b), half, held(a)))) ==
+          places(points_mixed(a, b, half, a)));
+    const auto slower = vectors_of(points_of(scaled(held(a), "", 0.5)), "v");
+    const auto as_fast = vectors_of(a, "v");
+    for (std::size_t n = 0; n < slower.size(); ++n)
+        REQUIRE((slower[n] - 0.5 * as_fast[n]).length() < 1e-6);
+}
+
+TEST_CASE("frames of points differ by how many lie where, and by where they move to") {
+    const auto held = [](const Points& points) {
+        Volume out;
+        out.grids.push_back(in_vdb(points).grid);
+        return out;
+    };
+    Thumbnails all;
+    for (const double angle : {0.0, 0.1, 0.2, 0.0}) all.add(held(turned(angle)), nullptr);
+    CHECK(all.difference(0, 3) < 1e-6);
+    CHECK(all.difference(0, 1) > 0.3);
+    CHECK(all.difference(0, 2) > 1.2 * all.difference(0, 1));
 }
 
 TEST_CASE("points of other attributes are those of the nearer frame alone") {
