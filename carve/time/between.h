@@ -21,9 +21,9 @@ struct ChoiceNames<Transport> {
 
 /// The volume at a moment between two frames. Numbers and vectors come from both frames, moved
 /// along the motion, in the shares of the moment; points go along their own velocities, as
-/// points_between(); whole numbers and masks are those of the nearer frame. A float grid that is no level set sums up to what lies between the sums of both frames. A
-/// grid that only one frame has fades. A picture's channel moves in its plane; what lies beyond its
-/// rim is what lies there.
+/// points_between(); whole numbers and masks are those of the nearer frame. A float grid that is no
+/// level set sums up to what lies between the sums of both frames. A grid that only one frame has
+/// fades. A picture's channel moves in its plane; what lies beyond its rim is what lies there.
 /// @param share   of the way from `a` to `b`, between 0 and 1
 /// @param motion  from `a` to `b`, world units; null: nothing moves
 Volume volume_between(const Volume& a, const Volume& b, double share, const VectorGrid* motion,

@@ -236,17 +236,22 @@ Points points_mixed(const Points& a, const Points& b,
                     const std::function<double(const Vec3d&)>& share, const Points& nearer) {
     if (!alike(a, b)) return nearer;
     std::vector<PointImage> images;
-    const auto show = [&](const Points& points, bool of_a) {
-        const auto at = points.positions();
-        const auto ids = points.identities();
-        for (std::size_t n = 0; n < at.size(); ++n)
-            if (of_a == (share(at[n]) <= moment_of(ids[n])))
-                images.push_back(
-                    {static_cast<std::uint32_t>((of_a ? 0 : a.size()) + n), !of_a, at[n]});
-    };
-    show(a, true);
+    const auto shown = [&](std::uint64_t id, const Vec3d& at) { return share(at) > moment_of(id); };
+    const auto at = a.positions(), next = b.positions();
+    const auto ids = a.identities(), next_ids = b.identities();
+    std::unordered_map<std::uint64_t, bool> second;  // of the ids that both have
+    const bool known = a.has_ids() && b.has_ids();
+    for (std::size_t n = 0; n < at.size(); ++n) {
+        const bool of_b = shown(ids[n], at[n]);
+        if (known) second.emplace(ids[n], of_b);
+        if (!of_b) images.push_back({static_cast<std::uint32_t>(n), false, at[n]});
+    }
     const auto of_a = images.size();
-    show(b, false);
+    for (std::size_t n = 0; n < next.size(); ++n) {
+        const auto held = second.find(next_ids[n]);
+        if (held != second.end() ? held->second : shown(next_ids[n], next[n]))
+            images.push_back({static_cast<std::uint32_t>(a.size() + n), true, next[n]});
+    }
     const auto of_b = images.size() - of_a;
     if (of_a == a.size() && of_b == 0) return a;
     if (of_a == 0 && of_b == b.size()) return b;

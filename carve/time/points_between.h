@@ -24,8 +24,9 @@ struct PointMotion {
 Points points_between(const Points& a, const Points& b, double share, const PointMotion& motion);
 
 /// The points of two frames, by a share of the second that differs from place to place: each point
-/// goes over at a share of its own, the same for points of one `id`, so that none is shown twice
-/// and they stay as dense as before. If the two have other attributes, those of the nearer one.
+/// goes over at a share of its own, so that they stay as dense as before. One that both frames
+/// have, by its `id`, goes over where it is in the first, and is never shown twice. If the two have
+/// other attributes, those of the nearer one.
 /// @param share   at a world position, from 0 to 1
 /// @param nearer  `a` or `b`
 Points points_mixed(const Points& a, const Points& b,
