@@ -30,12 +30,10 @@ void bench_size(const std::array<int, 3>& shape, std::size_t frames, int factor)
             Warp found(shape, {}, factor, frames, in_memory, "");
             FrameStore weights(frames, found.values(0).size(), in_memory, "");
             find_weights(energy, typical, {}, found, weights);
-            const WarpTask task{
-                {0, shape[0] - 1},
-                {},
-                std::vector<float>(static_cast<std::size_t>(found.points()[2]) * frames, 1.0f),
-                -0.1 * shape[0],
-                {}};
+            WarpTask task;
+            task.window = {0, shape[0] - 1};
+            task.shares.assign(static_cast<std::size_t>(found.points()[2]) * frames, 1.0f);
+            task.amount = -0.1 * shape[0];
             cycles = find_warp(task, found, weights, [](double) {});
         });
     };
