@@ -132,8 +132,8 @@ FLUIDCARVE_INLINE Eight cone(const Pass& pass, std::size_t column, std::size_t a
                              std::size_t first, std::size_t d) {
     const int off = pass.band[column].first - pass.taken[first],
               left = static_cast<int>(pass.size[d] - at);
-    return (eight_places + off > left) | (eight_places + off < -left) ? eight_of(endless_cost)
-                                                                      : Eight{};
+    return ((eight_places + off > left) | (eight_places + off < -left)) ? eight_of(endless_cost)
+                                                                        : Eight{};
 }
 
 /// Passes messages through the columns of a row.
