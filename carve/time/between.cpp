@@ -1,6 +1,5 @@
 #include "carve/time/between.h"
 
-#include "carve/points/point_grid.h"
 #include "carve/points/point_vectors.h"
 #include "carve/stream/openvdb_types.h"
 #include "carve/time/advect.h"
@@ -194,14 +193,6 @@ Plane picture_between(const Plane& a, const Plane& b, double share, const Vector
         const auto out = static_cast<float>((1 - share) * before + share * after);
         return std::isfinite(out) ? out : share < 0.5 ? before : after;
     });
-}
-
-/// The points of a volume's grid.
-Points points_in(const VolumeGrid& held) {
-    require_sound(*held.grid(), "the source");
-    Points out;
-    out.grid = held.grid();
-    return out;
 }
 
 /// The grids of one of two volumes, the floats and vectors among them mixed of both.

@@ -1,5 +1,6 @@
 #include "carve/time/points_between.h"
 
+#include "carve/points/point_grid.h"
 #include "carve/points/point_vectors.h"
 #include "carve/time/scale_search.h"
 
@@ -216,6 +217,13 @@ private:
 
 }  // namespace
 
+Points points_in(const VolumeGrid& held) {
+    require_sound(*held.grid(), "the source");
+    Points out;
+    out.grid = held.grid();
+    return out;
+}
+
 double point_scale(const Points& a, const Points& b, const std::string& velocity) {
     const Cloud from(a, velocity), to(b, velocity);
     if (from.velocity.empty() || to.velocity.empty()) return 0;
@@ -239,7 +247,7 @@ Points points_mixed(const Points& a, const Points& b,
     const auto shown = [&](std::uint64_t id, const Vec3d& at) { return share(at) > moment_of(id); };
     const auto at = a.positions(), next = b.positions();
     const auto ids = a.identities(), next_ids = b.identities();
-    std::unordered_map<std::uint64_t, bool> second;  // of the ids that both have
+    std::unordered_map<std::uint64_t, bool> second;  // whether a point of `a` went over, by id
     const bool known = a.has_ids() && b.has_ids();
     for (std::size_t n = 0; n < at.size(); ++n) {
         const bool of_b = shown(ids[n], at[n]);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "carve/points/points.h"
+#include "carve/volume/volume.h"
 
 #include <openvdb/Types.h>
 
@@ -14,6 +15,9 @@ struct PointMotion {
     std::string velocity;  ///< name of the attribute, see velocity_name(); empty: none
     double scale = 0;      ///< how far a velocity of 1 moves between the two frames, world units
 };
+
+/// The points of a volume's grid. @throws Failure if the grid is damaged
+Points points_in(const VolumeGrid& held);
 
 /// The points at a moment between two frames. One that both frames have, by its `id`, goes from
 /// place to place along its velocities. One that only one of them has appears, or vanishes, at a

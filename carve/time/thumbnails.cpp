@@ -4,6 +4,7 @@
 #include "carve/field/collocate.h"
 #include "carve/points/point_vectors.h"
 #include "carve/stream/openvdb_types.h"
+#include "carve/time/points_between.h"
 #include "carve/time/sequence.h"
 
 #include <openvdb/tools/Interpolation.h>
@@ -67,8 +68,7 @@ void Thumbnails::add_points(const Volume& volume, Frame& to) {
     openvdb::tree::ValueAccessor<openvdb::Vec3STree> momenta(to.momentum);
     for (const auto& held : volume.grids) {
         if (!is_point_grid(held.header())) continue;
-        Points points;
-        points.grid = held.grid();
+        const auto points = points_in(held);
         if (!voxels_) voxels_ = points.grid->transform().copy();
         const auto positions = points.positions();
         const auto velocities = vectors_of(points, velocity_name(points));
