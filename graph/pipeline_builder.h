@@ -400,14 +400,16 @@ private:
     void infer_rates() {
         for (auto& [node, value, references, unsure] : drafts_) {
             auto inputs = Rate::fixed;
+            bool differ = false;  // inputs from frame to frame, and outputs by them
             unsure = !node.params;
             for (std::size_t n = 0; n < references.size(); ++n)
                 unsure = unsure || references[n].size() != node.inputs[n].size();
-            for (const auto& links : node.inputs)
-                for (const auto& link : links) {
+            for (std::size_t n = 0; n < node.inputs.size(); ++n)
+                for (const auto& link : node.inputs[n]) {
                     const auto rate = drafts_[link.node].node.rate;
                     unsure = unsure || drafts_[link.node].unsure;
                     node.per_frame_input = node.per_frame_input || rate == Rate::frame;
+                    differ = differ || (rate == Rate::frame && !node.type->inputs[n].summed);
                     inputs = std::max(inputs, rate);
                 }
             node.gathers = node.params && node.type->gathers(node.params.get());
@@ -424,8 +426,8 @@ private:
                 for (const auto& link : links)
                     reads = reads || sequences_.contains(drafts_[link.node].node.name);
             if (reads) sequences_.insert(node.name);
-            const bool once =
-                !node.type->per_frame_outputs || (node.gathers && node.type->animates && !animates);
+            const bool once = !node.type->per_frame_outputs ||
+                              (node.gathers && (!differ || (node.type->animates && !animates)));
             if (moves) node.rate = Rate::frame;
             else if (node.per_frame_input && once) node.rate = Rate::sequence;
             else node.rate = inputs;

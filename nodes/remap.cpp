@@ -2,8 +2,10 @@
 
 #include "carve/base/failure.h"
 #include "carve/field/filter.h"
+#include "carve/points/point_vectors.h"
 #include "carve/remap/finish/finish.h"
 #include "carve/remap/finish/tears.h"
+#include "carve/remap/finish/transport.h"
 #include "carve/remap/geometry/mesh.h"
 #include "carve/remap/geometry/points.h"
 #include "carve/remap/grid.h"
@@ -117,8 +119,9 @@ NodeType remap_grids() {
                    "How values are read between voxels, if the lattice's vertices are not voxels.")
             .param("renormalize", &RemapGrids::Params::renormalize,
                    "Whether level sets (float or double, class level set) become distances again "
-                   "where they moved, with a new narrow band there. auto: if their voxels are "
-                   "cubes, and their background is above 0.")
+                   "where they moved, with a new narrow band there; where space was squeezed, they "
+                   "are smoothed as much. auto: if their voxels are cubes, and their background is "
+                   "above 0.")
             .param("conserve", &RemapGrids::Params::conserve,
                    "mass: the grids named in `densities` become denser where space is compressed "
                    "and thinner where it is stretched, so that their sum stays. A seam's share is "
@@ -129,7 +132,8 @@ NodeType remap_grids() {
             .param("transform_vectors", &RemapGrids::Params::transform_vectors,
                    "Whether vectors turn and stretch with the space around them, as the velocities "
                    "of a carved flow do. This applies to all grids of float vectors, also those in "
-                   "three parts: carve colours by a node of their own.")
+                   "three parts, and to the velocities of points: carve colours by a node of "
+                   "their own.")
             .param("rim", &RemapGrids::Params::rim,
                    "How the carve ends at the lattice's rims beside the carved axis (the rims "
                    "along v if u is carved) and at open ends. cut: it stops there; content that "
@@ -141,7 +145,8 @@ NodeType remap_grids() {
                     "The carved source: same grids, transforms and metadata. The report tells what "
                     "the carve did to each float grid.")
             .names_as("volume", "source")
-            .concludes(grids_by_frame));
+            .concludes(grids_by_frame)
+            .version(2));
 }
 
 namespace {
@@ -237,6 +242,7 @@ struct RemapPoints {
         Rim rim = Rim::cut;
         double rim_fade = 8;
         double jitter = default_jitter;
+        bool transform_vectors = false;
     };
     struct Ports {
         Ref<Points> source;
@@ -259,14 +265,29 @@ struct RemapPoints {
         const auto& source = *io.source;
         const auto carved =
             carve_points(source.positions(), source.identities(), *io.lattice, map, params.jitter);
-        io.points = carved.changed() ? std::make_shared<Points>(with_images(source, carved.images))
-                                     : io.source;
+        io.points = io.source;
+        if (carved.changed()) {
+            auto points = with_images(source, carved.images);
+            if (params.transform_vectors) points = turned(points, io, map, context);
+            io.points = std::make_shared<Points>(std::move(points));
+        }
         const nlohmann::ordered_json counts{{"points", source.size()},
                                             {"moved", carved.moved},
                                             {"deleted", carved.deleted},
                                             {"copied", carved.copied}};
         context.report("points",
                        {{context.per_frame() ? std::to_string(context.frame()) : "all", counts}});
+    }
+
+private:
+    static Points turned(const Points& points, const Ports& io, const CarveMap& map,
+                         Context& context) {
+        if (points.size() > 0 && velocity_name(points).empty())
+            context.warn(
+                "'transform_vectors' finds no velocity to turn: points have none named v, "
+                "vel or velocity");
+        const Mapping mapping(map.extended(*io.lattice), map.reach());
+        return vectors_turned(points, CarveDerivative(mapping, map));
     }
 };
 
@@ -297,6 +318,9 @@ NodeType remap_points() {
                    "random offset of up to this size along each axis. The offset is always the "
                    "same for the same point. It stays the same from frame to frame if points have "
                    "a whole number `id`; without one, set 0 if copies must not tremble.")
+            .param("transform_vectors", &RemapPoints::Params::transform_vectors,
+                   "Whether the velocities of points (v, vel, velocity, or what else ends so) turn "
+                   "and stretch with the space around them, as in remap.grids.")
             .output("points", &RemapPoints::Ports::points,
                     "The carved source, with all attributes and groups. The report's section "
                     "`points` tells how many were moved, deleted and copied in each frame."));

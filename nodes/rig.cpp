@@ -393,7 +393,7 @@ struct RigTransform {
                 fmt::format("{} is closed: it has no ends to 'extend'", text_of(*io.rig)));
         auto rig = moved(smoothed(*io.rig, params.smooth), params.scale, Vec3d(params.pivot.data()),
                          Vec3d(params.translate.data()));
-        if (params.extend > 0) rig = extended(rig, params.extend);
+        if (params.extend > 0) rig = extended(rig, params.extend, params.extend);
         io.transformed = std::make_shared<Rig>(std::move(rig));
     }
 };

@@ -30,11 +30,14 @@ Rig moved(const Rig& rig, double scale, const Vec3d& pivot, const Vec3d& transla
     return out;
 }
 
-Rig extended(const Rig& rig, double by) {
+Rig extended(const Rig& rig, double before, double after) {
     auto out = rig;
     const auto& from = rig.points;
-    out.points.insert(out.points.begin(), from.front() + by * (from.front() - from[1]).unit());
-    out.points.push_back(from.back() + by * (from.back() - from[from.size() - 2]).unit());
+    if (before > 0)
+        out.points.insert(out.points.begin(),
+                          from.front() + before * (from.front() - from[1]).unit());
+    if (after > 0)
+        out.points.push_back(from.back() + after * (from.back() - from[from.size() - 2]).unit());
     return out;
 }
 

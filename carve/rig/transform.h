@@ -13,8 +13,8 @@ Rig smoothed(const Rig& rig, int times);
 Rig moved(const Rig& rig, double scale, const openvdb::Vec3d& pivot,
           const openvdb::Vec3d& translate);
 
-/// Extends an open rig straight beyond both ends.
-/// @param by  world units, above 0
-Rig extended(const Rig& rig, double by);
+/// Extends an open rig straight beyond its ends.
+/// @param before, after  by how much at its start and its end; world units, at least 0
+Rig extended(const Rig& rig, double before, double after);
 
 }  // namespace fluidcarve

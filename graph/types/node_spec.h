@@ -57,6 +57,9 @@ struct InputSpec {
                        const std::vector<std::string>& names)>
         set;
     bool optional = false;  ///< may be unconnected
+    /// A gatherer takes from all frames together what it needs of it: that it differs from frame to
+    /// frame does not make outputs differ.
+    bool summed = false;
 };
 
 /// An output of a node type.

@@ -12,10 +12,13 @@
 #include "graph/types/payload.h"
 #include "graph/types/survey.h"
 
+#include <algorithm>
 #include <concepts>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <typeindex>
 #include <vector>
@@ -196,6 +199,13 @@ public:
         static_assert(has_digest);
         type_.digest = typeid(typename Digested<Node>::type);
         type_.digest_fields = std::move(fields);
+        return *this;
+    }
+    /// Declares inputs of a gatherer that do not make outputs differ from frame to frame, since it
+    /// takes from all frames together what it needs of them (InputSpec::summed).
+    Declare& sums(std::initializer_list<std::string_view> inputs) {
+        for (auto& input : type_.inputs)
+            input.summed = input.summed || std::ranges::find(inputs, input.name) != inputs.end();
         return *this;
     }
     /// Declares that the node has a `conclude`.

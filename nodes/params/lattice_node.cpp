@@ -1,6 +1,7 @@
 #include "nodes/params/lattice_node.h"
 
 #include "carve/base/failure.h"
+#include "carve/rig/transform.h"
 #include "carve/volume/cubes.h"
 
 #include <fmt/format.h>
@@ -20,18 +21,29 @@ void tell(OnFold on_fold, const Context& context, const std::string& message) {
 
 }  // namespace
 
-void LatticeNode::build(const LatticeSpec& spec, const Ports& io, Context& context) {
-    context.check_cancelled();
+void LatticeNode::gather(const Ports& io, Context& context) {
     if (!rigs_.empty() && rigs_.front()->closed != io.rig->closed)
         throw Failure(fmt::format("the rig is {} in frame {}, but {} in frame {}",
                                   kind(*rigs_.front()), context.frames().front(), kind(*io.rig),
                                   context.frame()));
     rigs_.push_back(io.rig);
-    built_.push_back(build_lattice(*io.rig, spec));
-    animated_ = context.per_frame();
+    moves_ = moves_ || rigs_.front() != io.rig;
+}
+
+void LatticeNode::extend(double before, double after, double spacing) {
+    for (auto& rig : rigs_) {
+        if (rig->closed) return;
+        rig = std::make_shared<Rig>(
+            extended(*rig, before > 0 ? before + spacing : 0, after > 0 ? after + spacing : 0));
+    }
 }
 
 void LatticeNode::conclude_build(const LatticeSpec& spec, OnFold on_fold, Context& context) {
+    if (!moves_) rigs_.resize(1);
+    for (const auto& rig : rigs_) {
+        context.check_cancelled();
+        built_.push_back(build_lattice(*rig, spec));
+    }
     make_equal(spec, context);
     count_overlaps(context);
     report(context);
@@ -41,7 +53,7 @@ void LatticeNode::conclude_build(const LatticeSpec& spec, OnFold on_fold, Contex
 }
 
 std::string LatticeNode::in_frame(const Context& context, std::size_t t) const {
-    return animated_ ? fmt::format(" in frame {}", context.frames()[t]) : "";
+    return moves_ ? fmt::format(" in frame {}", context.frames()[t]) : "";
 }
 
 template <class Value>

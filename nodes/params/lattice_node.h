@@ -30,7 +30,6 @@ struct ChoiceNames<Smooth> {
 class LatticeNode {
 public:
     struct Params {
-        double spacing = 0;
         Smooth smooth = Smooth::points;
         int max_iterations = 1000;
         OnFold on_fold = OnFold::warn;
@@ -41,13 +40,17 @@ public:
     };
 
     void run(const Params&, Ports& io, Context& context) const {
-        io.lattice = std::make_shared<Lattice>(built_.at(animated_ ? context.place() : 0).lattice);
+        io.lattice = std::make_shared<Lattice>(built_.at(moves_ ? context.place() : 0).lattice);
     }
 
 protected:
-    /// Builds the lattice of a frame.
-    void build(const LatticeSpec& spec, const Ports& io, Context& context);
-    /// Makes all lattices equal in shape, reports them, and tells what is wrong with them.
+    /// Takes the rig of a frame.
+    void gather(const Ports& io, Context& context);
+    /// Extends open rigs straight, so that their planes reach what lies beyond their ends.
+    /// @param before, after  how far it reaches, world units  @param spacing  of planes
+    void extend(double before, double after, double spacing);
+    /// Builds the lattices of all rigs, equal in shape, reports them, and tells what is wrong with
+    /// them.
     void conclude_build(const LatticeSpec& spec, OnFold on_fold, Context& context);
 
 private:
@@ -67,10 +70,10 @@ private:
     void tell_overlap(const LatticeSpec& spec, OnFold on_fold, const Context& context) const;
     void report(const Context& context) const;
 
-    std::vector<Ref<Rig>> rigs_;
+    std::vector<Ref<Rig>> rigs_;       ///< one if it does not move
     std::vector<BuiltLattice> built_;  ///< one per rig
     std::vector<Overlap> overlaps_;    ///< of each
-    bool animated_ = false;
+    bool moves_ = false;
 };
 
 /// The inputs, parameters and output that all of them declare.

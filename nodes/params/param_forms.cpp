@@ -94,6 +94,42 @@ std::optional<WarpAmount> parse_curve(const Value& value, ValueReader& reader) {
     return out;
 }
 
+/// `[low, high]`, or a list of percentages, which are no numbers in YAML.
+Shape pair_or_shares() {
+    return {
+        Shape::Kind::any_of,
+        {},
+        {{Shape::Kind::interval, {}, {}}, {Shape::Kind::list, {}, {{Shape::Kind::text, {}, {}}}}}};
+}
+
+void unwanted_pair(const Value& value, ValueReader& reader, const std::string& form) {
+    reader.fault(value, fmt::format("must be {}, not [{}, {}]", form, value.items[0].text,
+                                    value.items[1].text));
+}
+
+struct Pair {
+    std::array<double, 2> ends{};
+    bool shares = false;
+};
+
+/// Two numbers, or two percentages. @param form  what is wanted, for messages
+std::optional<Pair> parse_pair(const Value& value, ValueReader& reader, const std::string& form) {
+    if (value.kind != Value::Kind::list || value.items.size() != 2)
+        return reader.unwanted(value, form), std::nullopt;
+    Pair out;
+    out.shares = value.items[0].text.ends_with('%');
+    for (std::size_t n = 0; n < 2; ++n) {
+        const std::string_view text = value.items[n].text;
+        const bool matches =
+            value.items[n].kind == Value::Kind::scalar && text.ends_with('%') == out.shares;
+        const auto number =
+            matches ? parse_number(text.substr(0, text.size() - out.shares)) : std::nullopt;
+        if (!number) return unwanted_pair(value, reader, form), std::nullopt;
+        out.ends[n] = *number;
+    }
+    return out;
+}
+
 }  // namespace
 
 Shape ParamTraits<Anchor>::shape() {
@@ -112,37 +148,38 @@ std::optional<Anchor> ParamTraits<Anchor>::parse(const Value& value, ValueReader
 
 std::string ParamTraits<Anchor>::text(const Anchor& anchor) { return to_text(anchor); }
 
-Shape ParamTraits<VertexRange>::shape() {
-    return {
-        Shape::Kind::any_of,
-        {},
-        {{Shape::Kind::interval, {}, {}}, {Shape::Kind::list, {}, {{Shape::Kind::text, {}, {}}}}}};
+Shape ParamTraits<RigExtent>::shape() { return pair_or_shares(); }
+
+std::optional<RigExtent> ParamTraits<RigExtent>::parse(const Value& value, ValueReader& reader) {
+    const std::string form = "[low, high], world units or shares such as [-150%, 150%]";
+    const auto pair = parse_pair(value, reader, form);
+    if (!pair) return std::nullopt;
+    const auto& [ends, shares] = *pair;
+    if (ends[0] > ends[1])
+        return reader.fault(value, fmt::format("has its low end {} above its high end {}",
+                                               value.items[0].text, value.items[1].text)),
+               std::nullopt;
+    return RigExtent{ends[0], ends[1], shares};
 }
+
+std::string ParamTraits<RigExtent>::text(const RigExtent& extent) { return text_of(extent); }
+
+Shape ParamTraits<VertexRange>::shape() { return pair_or_shares(); }
 
 std::optional<VertexRange> ParamTraits<VertexRange>::parse(const Value& value,
                                                            ValueReader& reader) {
     const std::string form = "[first, last], whole vertices or shares of them such as [0%, 50%]";
-    if (value.kind != Value::Kind::list || value.items.size() != 2)
-        return reader.unwanted(value, form), std::nullopt;
-    const auto wanted = [&] {
-        return reader.fault(value, fmt::format("must be {}, not [{}, {}]", form,
-                                               value.items[0].text, value.items[1].text)),
-               std::nullopt;
-    };
-    std::array<double, 2> ends{};
-    const bool shares = value.items[0].text.ends_with('%');
+    const auto pair = parse_pair(value, reader, form);
+    if (!pair) return std::nullopt;
+    const auto& [ends, shares] = *pair;
     for (std::size_t n = 0; n < 2; ++n) {
-        const std::string_view text = value.items[n].text;
-        if (value.items[n].kind != Value::Kind::scalar || text.ends_with('%') != shares)
-            return wanted();
-        const auto number = parse_number(text.substr(0, text.size() - shares));
-        if (!number || (!shares && *number != std::trunc(*number))) return wanted();
-        if (*number < 0 || *number > (shares ? 100 : 1e6))
-            return reader.fault(value,
-                                fmt::format("must be {}, not {}",
-                                            shares ? "from 0% to 100%" : "from 0 to 1e6", text)),
+        if (!shares && ends[n] != std::trunc(ends[n]))
+            return unwanted_pair(value, reader, form), std::nullopt;
+        if (ends[n] < 0 || ends[n] > (shares ? 100 : 1e6))
+            return reader.fault(value, fmt::format("must be {}, not {}",
+                                                   shares ? "from 0% to 100%" : "from 0 to 1e6",
+                                                   value.items[n].text)),
                    std::nullopt;
-        ends[n] = *number;
     }
     if (ends[0] > ends[1])
         return reader.fault(value, fmt::format("has its first vertex {} above its last one {}",

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/lattice/rig_extent.h"
 #include "carve/seam/anchor.h"
 #include "carve/seam/vertex_range.h"
 #include "carve/warp/amount.h"
@@ -18,6 +19,14 @@ struct ParamTraits<Anchor> {
     static Shape shape();
     static std::optional<Anchor> parse(const Value& value, ValueReader& reader);
     static std::string text(const Anchor& anchor);
+};
+
+/// `[-1.5, 1.5]`, or shares, `[-150%, 150%]`.
+template <>
+struct ParamTraits<RigExtent> {
+    static Shape shape();
+    static std::optional<RigExtent> parse(const Value& value, ValueReader& reader);
+    static std::string text(const RigExtent& extent);
 };
 
 /// `[2, 14]`, or shares, `[0%, 50%]`.

@@ -275,7 +275,9 @@ struct Flow::Self {
         const bool delivers = pipeline.nodes[n].rate != Rate::frame;
         const bool good = call(line, nullptr, "finish", [&](void* ports, Context& where) {
             end_gathering(n, ports, where, line);
-            if (delivers) held[n] = io.collect(n, ports);
+            if (!delivers) return;
+            if (behaviours[n].run) behaviours[n].run(ports, where);
+            held[n] = io.collect(n, ports);
         });
         end_once(line, *steps[n].finish, good, delivers);
     }

@@ -56,7 +56,7 @@ nodes:
 
 TEST_CASE(
     "a node that gathers gives one result for all frames, or one per frame, as its `animates` "
-    "says") {
+    "and its inputs say") {
     Registry registry = toy::registry();
     auto type = *registry.node("toy.share");
     type.name = "toy.own";
@@ -64,6 +64,13 @@ TEST_CASE(
     type.animates = [](const void* params) {
         return static_cast<const toy::Share::Params*>(params)->stated;
     };
+    registry.add(type);
+    type = *registry.node("toy.add");
+    type.name = "toy.adds";
+    type.gathers = [](const void*) { return true; };
+    registry.add(type);
+    type.name = "toy.sums";
+    type.inputs[0].summed = true;
     registry.add(type);
     Problems found;
     const auto pipeline = build_pipeline(read_document(Scratch().write("p.yaml", R"(fluidcarve: 1
@@ -74,12 +81,17 @@ nodes:
   one: {type: toy.own, number: count}
   each: {type: toy.own, number: count, stated: true}
   fixed: {type: toy.own, number: still, stated: true}
+  differs: {type: toy.adds, numbers: [count]}
+  summed: {type: toy.sums, numbers: [count]}
 )"),
                                                        {}, found),
                                          registry, found);
     REQUIRE(to_text(found) == "");
     CHECK(pipeline.find("one")->rate == Rate::sequence);
     CHECK(pipeline.find("each")->rate == Rate::frame);
+    CHECK(pipeline.find("differs")->rate == Rate::frame);
+    CHECK(pipeline.find("summed")->rate == Rate::sequence);
+    CHECK(pipeline.find("summed")->per_frame_input);
     // Nothing that it gathers tells the frames apart.
     CHECK(pipeline.find("fixed")->rate == Rate::fixed);
 }

@@ -1,4 +1,5 @@
 #include "carve/lattice/build.h"
+#include "carve/lattice/content_reach.h"
 #include "carve/remap/geometry/points.h"
 #include "carve/rig/transform.h"
 #include "carve/sdf/from_mesh.h"
@@ -47,24 +48,11 @@ FloatGrid::Ptr ground_of(const Mesh& bank, const openvdb::math::Transform& trans
     return mesh_distance(bank, transform, 3, std::nullopt);
 }
 
-/// As the pipeline builds it.
-Lattice channel() {
-    Rig rig;
-    rig.points = read_curve(TEST_DATA "/river/course.csv");
-    LatticeSpec spec;
-    spec.spacing = voxel;
-    spec.u = {-1.5, 1.5};
-    spec.v = {-1.2, 0.8};
-    spec.smooth = Smooth::directions;
-    spec.max_iterations = 1000;
-    return build_lattice(extended(smoothed(rig, 10), 2), spec).lattice;
-}
-
 /// The river, made so many voxels wider.
 struct Carved {
     Scratch scratch;
     nlohmann::json report;
-    Lattice lattice = channel();
+    Lattice lattice;
     Mesh bank = read_mesh(TEST_DATA "/river/riverbank.obj").mesh;
 
     explicit Carved(int count) {
@@ -80,6 +68,32 @@ struct Carved {
         REQUIRE(ran.code == 0);
         report = nlohmann::json::parse(Scratch::read(scratch / "report.json"));
         REQUIRE(report["lattices"]["channel"]["folded_cells"] == 0);
+        lattice = channel();
+        REQUIRE(report["lattices"]["channel"]["shape"] == lattice.shape);
+    }
+
+    /// As the pipeline builds it.
+    Lattice channel() const {
+        Rig rig;
+        rig.points = read_curve(TEST_DATA "/river/course.csv");
+        rig = smoothed(rig, 10);
+        ContentReach water;
+        for (const int frame : frames) {
+            const auto reach = content_reach(*skin_before(frame), rig);
+            REQUIRE(reach);
+            water.u += reach->u / frames.size();
+            water.v += reach->v / frames.size();
+            water.before = std::max(water.before, reach->before);
+            water.after = std::max(water.after, reach->after);
+        }
+        LatticeSpec spec;
+        spec.spacing = voxel;
+        spec.u = {-1.5 * water.u, 1.5 * water.u};
+        spec.v = {-3.3 * water.v, 2.2 * water.v};
+        spec.smooth = Smooth::directions;
+        spec.max_iterations = 1000;
+        return build_lattice(extended(rig, water.before + voxel, water.after + voxel), spec)
+            .lattice;
     }
 
     Points drops_before(int frame) const {

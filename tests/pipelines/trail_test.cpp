@@ -36,7 +36,7 @@ Lattice tube() {
     spec.around = true;
     spec.smooth = Smooth::points;
     spec.max_iterations = 1000;
-    return build_lattice(extended(rig, 0.6), spec).lattice;
+    return build_lattice(extended(rig, 0.6, 0.6), spec).lattice;
 }
 
 FloatGrid::ConstPtr density_of(const std::string& path) {
@@ -158,7 +158,7 @@ TEST_CASE(
     Rig rig;
     rig.points = read_curve(TEST_DATA "/trail/path.csv");
     std::vector<Vec3d> way;
-    const auto points = extended(rig, 2.5).points;
+    const auto points = extended(rig, 2.5, 2.5).points;
     for (std::size_t n = 0; n + 1 < points.size(); ++n)
         for (int part = 0; part < 50; ++part)
             way.push_back(points[n] + (points[n + 1] - points[n]) * (part / 50.0));

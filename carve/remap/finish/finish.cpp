@@ -2,7 +2,9 @@
 
 #include "carve/base/failure.h"
 #include "carve/remap/finish/level_set.h"
+#include "carve/remap/finish/squeezed.h"
 #include "carve/remap/finish/transport.h"
+#include "carve/stream/openvdb_types.h"
 #include "carve/volume/triplet.h"
 
 #include <fmt/format.h>
@@ -44,7 +46,9 @@ Volume finished(const Volume& source, const Volume& carved, const Lattice& given
     const auto lattice = map.extended(given);
     std::optional<Mapping> mapping;
     std::optional<CarveDerivative> derivative;
-    if (!finish.densities.empty() || finish.transform_vectors) {
+    const bool level_sets = std::ranges::any_of(
+        carved.grids, [](const VolumeGrid& held) { return is_level_set(held.header()); });
+    if (!finish.densities.empty() || finish.transform_vectors || (level_sets && map.soft())) {
         mapping.emplace(lattice, map.reach());
         derivative.emplace(*mapping, map);
     }
@@ -57,7 +61,9 @@ Volume finished(const Volume& source, const Volume& carved, const Lattice& given
         auto& held = out.grids[n];
         if (is_level_set(held.header()) && finish.renormalize.value_or(true) &&
             held != source.grids[n]) {
-            const auto grid = held.grid();
+            auto grid = held.grid();
+            if (derivative && derivative->exact())
+                held = grid = squeezed_smooth(grid, places_of(*grid), *derivative);
             if (can_renormalize(*grid)) {
                 held = renormalized(grid, places_of(*grid), map);
             } else if (finish.renormalize) {
@@ -73,6 +79,11 @@ Volume finished(const Volume& source, const Volume& carved, const Lattice& given
         if (finish.transform_vectors && (held.header().isType<openvdb::Vec3SGrid>() ||
                                          held.header().isType<openvdb::Vec3DGrid>()))
             held = vectors_turned(held, places_of(held.header()), *derivative);
+        if (finish.transform_vectors && is_point_grid(held.header())) {
+            Points points;
+            points.grid = held.grid();
+            held = held.holding(vectors_turned(points, *derivative).grid);
+        }
     }
     if (!finish.transform_vectors) return out;
 

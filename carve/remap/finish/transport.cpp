@@ -1,8 +1,10 @@
 #include "carve/remap/finish/transport.h"
 
+#include "carve/points/point_vectors.h"
 #include "carve/remap/voxels/blocks.h"
 
 #include <openvdb/tools/Interpolation.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -205,6 +207,19 @@ openvdb::GridBase::ConstPtr vectors_turned(const openvdb::GridBase::ConstPtr& gr
     if (grid->isType<openvdb::Vec3SGrid>())
         return transported<openvdb::Vec3SGrid>(nullptr, grid, places, derivative);
     return transported<openvdb::Vec3DGrid>(nullptr, grid, places, derivative);
+}
+
+Points vectors_turned(const Points& points, const CarveDerivative& derivative) {
+    const auto name = velocity_name(points);
+    if (name.empty()) return points;
+    auto vectors = vectors_of(points, name);
+    const auto positions = points.positions();
+    tbb::parallel_for(std::size_t{0}, vectors.size(), [&](std::size_t n) {
+        const auto at = derivative.mapping().locate(positions[n]);
+        if (const auto slope = at ? derivative(*at) : std::nullopt)
+            vectors[n] = slope->inverse() * vectors[n];
+    });
+    return with_vectors(points, name, vectors);
 }
 
 }  // namespace fluidcarve

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/points/points.h"
 #include "carve/remap/finish/derivative.h"
 #include "carve/remap/voxels/places.h"
 
@@ -7,9 +8,9 @@
 
 namespace fluidcarve {
 
-// Both functions take carved grids (METHOD 5). `D` is the CarveDerivative at a voxel, or at a
-// component's face. Active voxels without a derivative stay bit for bit. So do inactive ones, but
-// those into which some of a density is pressed: they become active.
+// These functions take carved grids and points (METHOD 5). `D` is the CarveDerivative at a voxel, at
+// a component's face, or at a point. Active voxels without a derivative stay bit for bit. So do
+// inactive ones, but those into which some of a density is pressed: they become active.
 
 /// Scales a density by |det D|, so that it keeps its mass. If a voxel holds what several held
 /// before, its value is the mean over several positions in it, each with its own value in `source`:
@@ -29,5 +30,8 @@ openvdb::GridBase::ConstPtr mass_kept(const openvdb::GridBase::ConstPtr& source,
 openvdb::GridBase::ConstPtr vectors_turned(const openvdb::GridBase::ConstPtr& grid,
                                            const CarvedPlaces& places,
                                            const CarveDerivative& derivative);
+
+/// The same for the velocities of points (velocity_name); points without any stay as they are.
+Points vectors_turned(const Points& points, const CarveDerivative& derivative);
 
 }  // namespace fluidcarve

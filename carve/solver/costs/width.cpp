@@ -1,8 +1,7 @@
 #include "carve/solver/costs/width.h"
 
-#include "carve/solver/costs/prices.h"
+#include "carve/field/shown.h"
 
-#include <openvdb/tools/Count.h>
 #include <openvdb/tools/Interpolation.h>
 #include <tbb/parallel_for.h>
 
@@ -13,9 +12,7 @@
 namespace fluidcarve {
 
 int width_in(const FloatGrid& grid, const Lattice& lattice, Axis axis) {
-    const bool level_set = grid.getGridClass() == openvdb::GRID_LEVEL_SET;
-    const float edge =
-        level_set ? 0 : Typical::content_share * openvdb::tools::minMax(grid.constTree()).max();
+    const Shown shown(grid);
     const auto entries = lattice.shape[dimension(axis)],
                laterals = lattice.shape[lateral_dimension(axis)],
                slices = lattice.shape[slice_dimension(axis)];
@@ -26,9 +23,8 @@ int width_in(const FloatGrid& grid, const Lattice& lattice, Axis axis) {
             values(accessor, grid.transform());
         const auto shows = [&](int entry, int lateral) {
             const auto vertex = vertex_of(axis, entry, lateral, slice);
-            const float value =
-                values.wsSample(lattice.position(openvdb::Vec3d(vertex[0], vertex[1], vertex[2])));
-            return level_set ? value < edge : value > edge;
+            return shown(
+                values.wsSample(lattice.position(openvdb::Vec3d(vertex[0], vertex[1], vertex[2]))));
         };
         for (int entry = 0; entry < entries; ++entry) {
             bool any = false;

@@ -5,8 +5,7 @@
 
 namespace fluidcarve {
 
-/// How wide what a grid shows is in a lattice. A vertex shows something inside of a level set, or
-/// where any other grid exceeds 2 % of its greatest value.
+/// How wide what a grid shows (Shown) is in a lattice.
 /// @return the number of entries along the axis at which a slice shows something in any of its
 ///   columns; the median of all slices that show something, since its ends are often cut obliquely;
 ///   0: none does

@@ -1,5 +1,6 @@
 #include "carve/remap/finish/level_set.h"
 #include "carve/remap/finish/finish.h"
+#include "carve/remap/finish/squeezed.h"
 #include "carve/remap/grid.h"
 #include "carve/remap/voxels/blocks.h"
 #include "carve/remap/voxels/seam_cells.h"
@@ -7,6 +8,7 @@
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/sampled.h"
+#include "tests/support/warped.h"
 #include "tests/support/wavy_seams.h"
 
 #include <openvdb/tools/LevelSetSphere.h>
@@ -239,4 +241,40 @@ TEST_CASE("level sets of doubles are renormalised, the same by any number of thr
     const Vec3d end = 16.0 * Vec3d(std::cos(0.2), std::sin(0.2), 0);
     CHECK(std::abs(got.tree().getValue(Coord::round(end)) -
                    (Coord::round(end).asVec3d() - 4.0 / 16 * end).length() + 12) < 0.02);
+}
+
+TEST_CASE("a level set is smoothed where it was squeezed, by the share that was lost, only there") {
+    const auto lattice = make_box(Vec3d(0), {31, 14, 14}, 1.0, {0, 1, 2});
+    const auto grid = ball(Vec3d(15, 6.5, 6.5), 5);
+    const auto smoothed = [&](double by) {
+        const auto map = map_of(lattice, {warped(lattice, evenly(lattice, by))});
+        const auto extended = map.extended(lattice);
+        const Mapping mapping(extended, map.reach());
+        const auto carved = openvdb::gridConstPtrCast<FloatGrid>(
+            carve_grid(grid, lattice, map, Interpolation::linear));
+        const CarvedPlaces places(extended, map.reach(), carved->transform(), carved->transform());
+        return std::pair(carved, openvdb::gridConstPtrCast<FloatGrid>(squeezed_smooth(
+                                     carved, places, CarveDerivative(mapping, map))));
+    };
+    // 31 vertices become 21: a third is lost.
+    const auto [carved, got] = smoothed(-10);
+    CHECK(got->activeVoxelCount() == carved->activeVoxelCount());
+    const std::array kernel{1.0 / 6, 2.0 / 3, 1.0 / 6};
+    int count = 0;
+    for (auto voxel = got->cbeginValueOn(); voxel; ++voxel) {
+        const auto at = voxel.getCoord();
+        if (at.x() < 1 || at.x() > 18 || at.y() < 0 || at.y() > 13 || at.z() < 0 || at.z() > 13)
+            continue;
+        double mean = 0;
+        for (int n = 0; n < 27; ++n)
+            mean += kernel[static_cast<std::size_t>(n % 3)] *
+                    kernel[static_cast<std::size_t>(n / 3 % 3)] *
+                    kernel[static_cast<std::size_t>(n / 9)] *
+                    carved->tree().getValue(at.offsetBy(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1));
+        REQUIRE(*voxel == Approx(mean).margin(1e-5));
+        ++count;
+    }
+    CHECK(count > 500);
+    const auto [stretched, kept] = smoothed(10);
+    CHECK(kept == stretched);
 }

@@ -1,0 +1,12 @@
+#include "carve/lattice/rig_extent.h"
+
+#include <fmt/format.h>
+
+namespace fluidcarve {
+
+std::string text_of(const RigExtent& extent) {
+    const auto* const unit = extent.shares ? "%" : "";
+    return fmt::format("[{}{}, {}{}]", extent.low, unit, extent.high, unit);
+}
+
+}  // namespace fluidcarve

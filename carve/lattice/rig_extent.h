@@ -1,0 +1,24 @@
+#pragma once
+
+#include <array>
+#include <string>
+
+namespace fluidcarve {
+
+/// From where to where a lattice reaches beside its rig: world units, or percentages of how wide
+/// its content is, so that it holds for content of any size.
+struct RigExtent {
+    double low = 0, high = 0;
+    bool shares = false;
+
+    /// Both ends in world units. @param width  of the content, world units
+    std::array<double, 2> of(double width) const {
+        const double unit = shares ? width / 100 : 1;
+        return {low * unit, high * unit};
+    }
+};
+
+/// The extent as a pipeline states it.
+std::string text_of(const RigExtent& extent);
+
+}  // namespace fluidcarve

@@ -1,0 +1,102 @@
+#include "carve/remap/finish/squeezed.h"
+
+#include "carve/remap/voxels/blocks.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <utility>
+
+namespace fluidcarve {
+
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::Vec3d;
+
+/// Smooths block by block.
+template <class GridT>
+class SqueezedSmooth {
+public:
+    SqueezedSmooth(const GridT& grid, CarvedPlaces places, const CarveDerivative& derivative)
+        : derivative_(derivative), places_(std::move(places)), window_(grid.tree()) {}
+
+    bool operator()(const Coord& block, LeafOf<GridT>& out) {
+        if (places_.move_to(block).empty()) return false;
+        window_.move_to(CoordBBox::createCube(block.offsetBy(-1), 10));
+        if (window_.uniform()) return false;
+        window_.read(out);
+        bool changed = false;
+        for (openvdb::Index n = 0; n < LeafOf<GridT>::SIZE; n += 8) {
+            places_.locate(out.offsetToGlobalCoord(n), Vec3d(0), row_);
+            for (openvdb::Index z = 0; z < 8; ++z) {
+                if (!out.isValueOn(n + z) || (row_.inside >> z & 1) == 0) continue;
+                const double share = squeeze(row_.at[z]);
+                if (share < hardly) continue;
+                out.setValueOnly(n + z, static_cast<typename GridT::ValueType>(
+                                            mean(out.offsetToGlobalCoord(n + z), share)));
+                changed = true;
+            }
+        }
+        return changed;
+    }
+
+private:
+    /// Squeezing by less than this share does not count.
+    static constexpr double hardly = 1e-3;
+
+    /// The share of its length that a place lost along the axis that lost most.
+    double squeeze(const Vec3d& at) const {
+        const auto image = derivative_.image(at);
+        if (!image) return 0;
+        double steepest = 1;
+        for (const int axis : {0, 1, 2}) steepest = std::max(steepest, image->slope(axis, axis));
+        return 1 - 1 / steepest;
+    }
+
+    /// Mean around a voxel, weighed along each axis by a kernel of three voxels.
+    /// @param variance  of the kernel, voxels^2
+    double mean(const Coord& at, double variance) const {
+        constexpr double widest = 2.0 / 3;  // all three alike
+        const double side = std::min(variance, widest) / 2;
+        const std::array weights{side, 1 - 2 * side, side};
+        double sum = 0;
+        for (int x = 0; x < 3; ++x)
+            for (int y = 0; y < 3; ++y)
+                for (int z = 0; z < 3; ++z)
+                    sum += weights[static_cast<std::size_t>(x)] *
+                           weights[static_cast<std::size_t>(y)] *
+                           weights[static_cast<std::size_t>(z)] *
+                           static_cast<double>(window_.get(at.offsetBy(x - 1, y - 1, z - 1)).value);
+        return sum;
+    }
+
+    const CarveDerivative& derivative_;
+    CarvedPlaces places_;
+    CarvedPlaces::Row row_;
+    BlockWindow<typename GridT::TreeType> window_;
+};
+
+template <class GridT>
+openvdb::GridBase::ConstPtr smooth(const openvdb::GridBase::ConstPtr& base,
+                                   const CarvedPlaces& places, const CarveDerivative& derivative) {
+    const auto grid = openvdb::GridBase::grid<GridT>(base);
+    return rewrite_blocks<GridT>(grid, places.voxels(derivative.range()), [&] {
+        return [worker = std::make_shared<SqueezedSmooth<GridT>>(*grid, places, derivative)](
+                   const Coord& block, LeafOf<GridT>& out) { return (*worker)(block, out); };
+    });
+}
+
+}  // namespace
+
+openvdb::GridBase::ConstPtr squeezed_smooth(const openvdb::GridBase::ConstPtr& grid,
+                                            const CarvedPlaces& places,
+                                            const CarveDerivative& derivative) {
+    if (grid->isType<openvdb::FloatGrid>())
+        return smooth<openvdb::FloatGrid>(grid, places, derivative);
+    return smooth<openvdb::DoubleGrid>(grid, places, derivative);
+}
+
+}  // namespace fluidcarve
