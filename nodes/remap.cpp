@@ -146,7 +146,7 @@ NodeType remap_grids() {
                     "the carve did to each float grid.")
             .names_as("volume", "source")
             .concludes(grids_by_frame)
-            .version(2));
+            .version(3));
 }
 
 namespace {

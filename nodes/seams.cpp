@@ -35,11 +35,22 @@ constexpr std::size_t parts =
 constexpr float visible_share = 0.02f;  ///< of the greatest value of a frame: less is empty space
 constexpr Softness softness{3, 0};      ///< as carves have it unless they say otherwise
 
-/// The numbers of seams that are compared: from none to all.
-std::vector<std::size_t> counts_of(std::size_t seams) {
+/// How many seams of a set may be chosen: all; of slabs that are doubled, as many whole ones as a
+/// third of the lattice's vertices holds, since more repeats stand side by side.
+std::size_t most_of(const Seams& set) {
+    if (!set.thick() || set.kind == Seams::Kind::remove) return set.size();
+    const int third = set.carved() / 3;
+    return std::min(set.size(), static_cast<std::size_t>(third - third % set.thickness));
+}
+
+/// The numbers of seams that are compared: from none to as many as may be chosen, in whole slabs.
+std::vector<std::size_t> counts_of(const Seams& set) {
+    const auto most = most_of(set), slab = static_cast<std::size_t>(set.thickness),
+               slabs = (most + slab - 1) / slab;
     std::vector<std::size_t> out;
     for (std::size_t n = 0; n <= parts; ++n)
-        if (const auto count = (n * seams + parts / 2) / parts; out.empty() || count > out.back())
+        if (const auto count = std::min(most, (n * slabs + parts / 2) / parts * slab);
+            out.empty() || count > out.back())
             out.push_back(count);
     return out;
 }
@@ -83,7 +94,7 @@ struct Choose {
                 "the seams come in pairs, between which the size stays, so that there is no rest "
                 "for a warp; leave this node out, or `pair_window`");
         if (counts_.empty()) {
-            counts_ = counts_of(seams.size());
+            counts_ = counts_of(seams);
             distances_.resize(counts_.size());
         }
         if (seams.size() > 0) compare(io, context.frame());
@@ -207,14 +218,18 @@ NodeType seams_choose() {
                "seams.choose",
                "Keeps the first seams of a set, as many as look best together with a warp of what "
                "is left of the carve: all of them, some or none. How a carve looks is estimated by "
-               "its similarity to the field, with even scaling in place of the warp.")
+               "its similarity to the field, with even scaling in place of the warp. Slabs that "
+               "are "
+               "doubled are kept up to a third of the lattice's vertices: more repeats would stand "
+               "side by side.")
         .input("seams", &Choose::Ports::seams, "Seams, as a solver found them; not in pairs.")
         .input("field", &Choose::Ports::field, "The grid that is seen, such as the density.")
         .input("lattice", &Choose::Ports::lattice, "The lattice in which the seams were found.")
         .output("chosen", &Choose::Ports::chosen,
                 "The first seams. Carve them, and the warp that is found `after` them with `rest: "
                 "true`.")
-        .kept();
+        .kept()
+        .version(2);
 }
 
 namespace {

@@ -1,6 +1,6 @@
 #include "carve/lattice/content_reach.h"
 
-#include "carve/field/shown.h"
+#include "carve/field/shown_part.h"
 #include "carve/lattice/directions.h"
 #include "carve/lattice/resample.h"
 
@@ -146,7 +146,7 @@ private:
 
     const FloatGrid& grid_;
     const Planes& planes_;
-    Shown shown_;
+    ShownPart shown_;
 };
 
 double median(std::vector<double> of) {

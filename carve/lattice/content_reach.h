@@ -7,7 +7,7 @@
 
 namespace fluidcarve {
 
-/// How far what a grid shows (Shown) reaches around a rig, world units.
+/// How far what a grid shows (ShownPart) reaches around a rig, world units.
 struct ContentReach {
     /// Its widths along `u` and `v`: medians over all planes across the rig that show something.
     double u = 0, v = 0;

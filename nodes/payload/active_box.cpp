@@ -1,10 +1,47 @@
 #include "nodes/payload/active_box.h"
 
+#include "carve/base/failure.h"
+#include "carve/field/extent.h"
+#include "carve/field/same_transform.h"
 #include "carve/stream/transform_bytes.h"
+
+#include <fmt/format.h>
 
 #include <array>
 
 namespace fluidcarve {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::Vec3d;
+
+namespace {
+
+/// Largest distance from a voxel that rounding explains, voxels.
+constexpr double rounding = 2e-3;
+
+}  // namespace
+
+CoordBBox voxels_among(const openvdb::math::Transform& first, const CoordBBox& voxels,
+                       const openvdb::math::Transform& transform, const std::string& name,
+                       int frame) {
+    if (first == transform) return voxels;
+    CoordBBox out;
+    for (int n = 0; n < 8; ++n) {
+        const auto corner = [&](int axis) -> double {
+            return (n >> axis & 1) != 0 ? voxels.max()[axis] : voxels.min()[axis];
+        };
+        const auto at =
+            first.worldToIndex(transform.indexToWorld(Vec3d(corner(0), corner(1), corner(2))));
+        if (!voxel_at(at))
+            throw Failure(
+                fmt::format("grid '{}' has {} in frame {}, too far from the others for one lattice",
+                            name, place_text(transform), frame));
+        out.expand(Coord::floor(at + Vec3d(rounding)));
+        out.expand(Coord::ceil(at - Vec3d(rounding)));
+    }
+    return out;
+}
 
 PayloadType active_box_type() {
     return payload_type<ActiveBox>(

@@ -15,6 +15,13 @@ struct ActiveBox {
     openvdb::CoordBBox voxels;  ///< index coordinates; empty if no voxel is active
 };
 
+/// The voxels of a transform in which those of a grid lie.
+/// @throws Failure naming the grid and the frame, if they lie too far away
+openvdb::CoordBBox voxels_among(const openvdb::math::Transform& first,
+                                const openvdb::CoordBBox& voxels,
+                                const openvdb::math::Transform& transform, const std::string& name,
+                                int frame);
+
 /// The payload type `active_box`.
 PayloadType active_box_type();
 

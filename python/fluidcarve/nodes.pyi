@@ -1356,7 +1356,8 @@ class SeamsFamily:
         """
         Keeps the first seams of a set, as many as look best together with a warp of what is left of the carve: all of
         them, some or none. How a carve looks is estimated by its similarity to the field, with even scaling in place
-        of the warp.
+        of the warp. Slabs that are doubled are kept up to a third of the lattice's vertices: more repeats would stand
+        side by side.
         """
     def curves(
         self,

@@ -25,7 +25,7 @@ public:
 
     bool operator()(const Coord& block, LeafOf<GridT>& out) {
         if (places_.move_to(block).empty()) return false;
-        window_.move_to(CoordBBox::createCube(block.offsetBy(-1), 10));
+        window_.move_to(CoordBBox::createCube(block.offsetBy(-2), 12));
         if (window_.uniform()) return false;
         window_.read(out);
         bool changed = false;
@@ -56,20 +56,20 @@ private:
         return 1 - 1 / steepest;
     }
 
-    /// Mean around a voxel, weighed along each axis by a kernel of three voxels.
-    /// @param variance  of the kernel, voxels^2
-    double mean(const Coord& at, double variance) const {
-        constexpr double widest = 2.0 / 3;  // all three alike
-        const double side = std::min(variance, widest) / 2;
-        const std::array weights{side, 1 - 2 * side, side};
+    /// Mean around a voxel, weighed along each axis by a kernel that leaves long waves and, at full
+    /// strength, no wave of two voxels.
+    /// @param share  that the place lost: a half or more is full strength
+    double mean(const Coord& at, double share) const {
+        const double part = std::min(2 * share, 1.0) / 16;
+        const std::array weights{-part, 4 * part, 1 - 6 * part, 4 * part, -part};
         double sum = 0;
-        for (int x = 0; x < 3; ++x)
-            for (int y = 0; y < 3; ++y)
-                for (int z = 0; z < 3; ++z)
+        for (int x = 0; x < 5; ++x)
+            for (int y = 0; y < 5; ++y)
+                for (int z = 0; z < 5; ++z)
                     sum += weights[static_cast<std::size_t>(x)] *
                            weights[static_cast<std::size_t>(y)] *
                            weights[static_cast<std::size_t>(z)] *
-                           static_cast<double>(window_.get(at.offsetBy(x - 1, y - 1, z - 1)).value);
+                           static_cast<double>(window_.get(at.offsetBy(x - 2, y - 2, z - 2)).value);
         return sum;
     }
 

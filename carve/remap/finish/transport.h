@@ -8,8 +8,8 @@
 
 namespace fluidcarve {
 
-// These functions take carved grids and points (METHOD 5). `D` is the CarveDerivative at a voxel, at
-// a component's face, or at a point. Active voxels without a derivative stay bit for bit. So do
+// These functions take carved grids and points (METHOD 5). `D` is the CarveDerivative at a voxel,
+// at a component's face, or at a point. Active voxels without a derivative stay bit for bit. So do
 // inactive ones, but those into which some of a density is pressed: they become active.
 
 /// Scales a density by |det D|, so that it keeps its mass. If a voxel holds what several held

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "carve/field/shown.h"
+#include "carve/field/shown_part.h"
 #include "carve/solver/costs/volume.h"
 
 #include <array>
@@ -20,7 +20,7 @@ struct Typical {
     /// of its maximum; without one, where the energy is above 0. Marked vertices do not count.
     /// @throws Failure if the field is the same at all vertices
     static Typical of(const EnergyVolume& energy);
-    static constexpr float content_share = Shown::share;
+    static constexpr float content_share = ShownPart::share;
 };
 
 /// What seams pay besides the energy, in typical units.

@@ -1,6 +1,6 @@
 #include "carve/solver/costs/width.h"
 
-#include "carve/field/shown.h"
+#include "carve/field/shown_part.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <tbb/parallel_for.h>
@@ -12,7 +12,7 @@
 namespace fluidcarve {
 
 int width_in(const FloatGrid& grid, const Lattice& lattice, Axis axis) {
-    const Shown shown(grid);
+    const ShownPart shown(grid);
     const auto entries = lattice.shape[dimension(axis)],
                laterals = lattice.shape[lateral_dimension(axis)],
                slices = lattice.shape[slice_dimension(axis)];

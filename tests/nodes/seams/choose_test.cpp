@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -79,6 +80,21 @@ TEST_CASE("of few seams each number is compared once, and of none there is nothi
     CHECK(three.seams->seams.size() == 3);
     CHECK(chosen(no_seams(box(size)), between_detail).listener.entry["counts"] ==
           nlohmann::ordered_json::array({0}));
+}
+
+TEST_CASE("of slabs whole ones are compared, and of doubled ones as many as a third holds") {
+    const auto counts = [](Seams::Kind kind) {
+        std::vector<int> entries;
+        for (int n = 0; n < 24; ++n) entries.push_back(kind == Seams::Kind::remove ? 12 : 10 + n);
+        auto set = straight_seams(box(size), Axis::u, kind, entries);
+        set.thickness = 5;
+        const auto out = chosen(set, between_detail);
+        const auto told = out.listener.entry["counts"].get<std::vector<int>>();
+        CHECK(std::ranges::count(told, static_cast<int>(out.seams->seams.size())) == 1);
+        return told;
+    };
+    CHECK(counts(Seams::Kind::insert) == std::vector{0, 5, 10, 15});
+    CHECK(counts(Seams::Kind::remove) == std::vector{0, 5, 10, 15, 20, 24});
 }
 
 TEST_CASE("of pairs and of a warp no part is chosen, and it is said why") {
