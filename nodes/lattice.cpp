@@ -377,7 +377,6 @@ struct LatticeBuild : LatticeNode {
                     "the rig runs through, or move the rig with rig.transform");
             sum_.u /= showing_;
             sum_.v /= showing_;
-            extend(sum_.before, sum_.after, spacing);
         }
         for (const auto& [name, extent, width] :
              {std::tuple{"extent_u", params.extent_u, sum_.u},
@@ -385,7 +384,9 @@ struct LatticeBuild : LatticeNode {
             const auto [low, high] = extent.of(width);
             if (const auto fault = extent_fault(name, {low, high}, spacing)) throw Failure(*fault);
         }
-        conclude_build(spec_of(params, sum_, spacing), params.on_fold, context);
+        const auto spec = spec_of(params, sum_, spacing);
+        extend(sum_.before, sum_.after, std::max(-spec.u[0], spec.u[1]));
+        conclude_build(spec, params.on_fold, context);
     }
 
 private:
@@ -447,8 +448,7 @@ NodeType lattice_build() {
         .required("extent_u", &Params::extent_u, Unit::world, any_number(),
                   "Where the lattice begins and ends along `u`; 0 is the rig. The first vertex "
                   "lies at the lower end, the last one at most at the upper end. World units, or "
-                  "shares of how wide `content` is along `u`, [-150%, 150%]: its mean over the "
-                  "frames, each the median of all planes that show it.")
+                  "shares of how wide `content` is along `u`, [-150%, 150%].")
         .required("extent_v", &Params::extent_v, Unit::world, any_number(),
                   "The same along `v`; shares count how wide it is along `v`. On the first plane, "
                   "`v` is the rig's `up`, made orthogonal "

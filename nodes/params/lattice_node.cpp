@@ -30,11 +30,11 @@ void LatticeNode::gather(const Ports& io, Context& context) {
     moves_ = moves_ || rigs_.front() != io.rig;
 }
 
-void LatticeNode::extend(double before, double after, double spacing) {
+void LatticeNode::extend(double before, double after, double aside) {
     for (auto& rig : rigs_) {
         if (rig->closed) return;
         rig = std::make_shared<Rig>(
-            extended(*rig, before > 0 ? before + spacing : 0, after > 0 ? after + spacing : 0));
+            extended(*rig, before > 0 ? before + aside : 0, after > 0 ? after + aside : 0));
     }
 }
 

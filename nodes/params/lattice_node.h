@@ -46,9 +46,10 @@ public:
 protected:
     /// Takes the rig of a frame.
     void gather(const Ports& io, Context& context);
-    /// Extends open rigs straight, so that their planes reach what lies beyond their ends.
-    /// @param before, after  how far it reaches, world units  @param spacing  of planes
-    void extend(double before, double after, double spacing);
+    /// Extends open rigs straight beyond ends where their content goes on.
+    /// @param before, after  how far it goes on, world units; 0: it does not
+    /// @param aside          by how much further, so that what stands beside its end is held, too
+    void extend(double before, double after, double aside);
     /// Builds the lattices of all rigs, equal in shape, reports them, and tells what is wrong with
     /// them.
     void conclude_build(const LatticeSpec& spec, OnFold on_fold, Context& context);

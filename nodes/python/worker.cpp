@@ -207,13 +207,14 @@ bool Worker::receive() {
 Json Worker::call(Json request, double seconds, const WorkerHost& host) {
     seconds_ = seconds;
     request["seconds"] = seconds;
+    request["number"] = ++calls_;
     const auto end_of_time = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                                 std::chrono::duration<double>(seconds + grace));
     send(request.dump() + "\n");
     std::string line;
     while (true) {
         while (next_line(line)) {
-            const auto said = Json::parse(line);
+            auto said = understood(line);
             if (said.contains("warn")) {
                 host.warn(said["warn"]);
             } else if (said.contains("progress")) {
@@ -236,6 +237,23 @@ Json Worker::call(Json request, double seconds, const WorkerHost& host) {
             throw Failure(last_words());
         }
     }
+}
+
+Json Worker::understood(const std::string& line) {
+    auto said = Json::parse(line, nullptr, false);
+    const auto is = [&](const char* name, auto holds) {
+        return said.contains(name) && (said[name].*holds)();
+    };
+    if (said.is_object() && (is("warn", &Json::is_string) || is("progress", &Json::is_number) ||
+                             (is("number", &Json::is_number) && said["number"] == calls_ &&
+                              (!said.contains("failed") || said["failed"].is_string()))))
+        return said;
+    // What comes next could be taken for the answer to another request.
+    end();
+    throw Failure(
+        fmt::format("{}: the script wrote into the socket between its process and this "
+                    "program; let it leave descriptors alone that it did not open",
+                    script_));
 }
 
 void Worker::end(bool going) {

@@ -6,6 +6,7 @@
 
 #include <sys/types.h>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -52,6 +53,10 @@ public:
 private:
     void start();
     void send(const std::string& line);
+    /// A line as what it says.
+    /// @throws Failure if it is nothing that a worker says, or answers another request; the process
+    ///   is ended then
+    nlohmann::json understood(const std::string& line);
     /// Moves a line that has come to `line`. @return false if there is none yet
     bool next_line(std::string& line);
     /// Waits a moment for more. @return false if the process has closed the socket
@@ -70,7 +75,8 @@ private:
     int log_ = -1;   ///< what the process prints
     int status_ = 0;
     bool ready_ = false;
-    double seconds_ = 0;  ///< of the last call
+    std::uint64_t calls_ = 0;  ///< each answer has the number of its request
+    double seconds_ = 0;       ///< of the last call
     std::string read_;
 };
 

@@ -23,6 +23,7 @@ from types import ModuleType
 from typing import Any, Dict, List, Mapping, Optional, Set
 
 SOCKET, GIVEN, ANSWERED, LIFE = 3, 4, 5, 6
+MOST_WARNED = 1000  # characters
 F_SETSIG, SIGKILL = 10, 9
 PACKAGE = os.path.dirname(os.path.abspath(__file__))
 
@@ -39,7 +40,7 @@ class At:
 
     def warn(self, text: str) -> None:
         """Shows a warning at the end of the run, and in its report."""
-        self._worker.tell({"warn": str(text)})
+        self._worker.tell({"warn": str(text)[:MOST_WARNED]})
 
     def progress(self, fraction: float) -> None:
         """Tells how much of the work is done, 0 to 1; of functions that work on all frames."""
@@ -81,7 +82,8 @@ class Worker:
         self.script: Optional[ModuleType] = None
 
     def tell(self, message: Mapping[str, Any]) -> None:
-        self.channel.sendall(json.dumps(message).encode() + b"\n")
+        # Characters that no file of UTF-8 can hold become question marks.
+        self.channel.sendall(json.dumps(message, ensure_ascii=False, allow_nan=False).encode("utf-8", "replace") + b"\n")
 
     def answer(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
         if "memory" in request:
@@ -145,6 +147,11 @@ class Worker:
                     out.append({"field": field, "message": f"'{field}': {place}: {name} takes no '{each}'; it takes {', '.join(known) or 'nothing'}"})
         both = [each for each in inputs if each in params]
         out += [{"field": "params", "message": f"'params': '{each}' is an input already; give it another name"} for each in both]
+        if hasattr(self.script, "add"):
+            for argument in inspect.signature(getattr(self.script, "add")).parameters.values():
+                if argument.default is argument.empty and argument.kind not in (argument.VAR_KEYWORD, argument.VAR_POSITIONAL) \
+                        and argument.name not in [*inputs, *params, "at"]:
+                    out.append({"field": "inputs", "message": f"{self.path}: add needs '{argument.name}'; state it under `inputs` or `params`"})
         for argument in known.values():
             # What `finish` returns is known only when it has run.
             needed = not hasattr(self.script, "finish") and argument.default is argument.empty and argument.kind not in (argument.VAR_KEYWORD, argument.VAR_POSITIONAL)
@@ -222,6 +229,9 @@ class Worker:
         positions = np.asarray(result)
         if positions.dtype.kind not in "iuf" or positions.ndim != 2 or positions.shape[1] != 3:
             raise TypeError(f"{name} returned {positions.dtype} of shape {positions.shape}; it must be positions, numbers of shape (n, 3)")
+        wrong = np.flatnonzero(~np.isfinite(positions).all(axis=1))
+        if wrong.size:
+            raise ValueError(f"{name} returned position {wrong[0]} as {positions[wrong[0]].tolist()}; positions must be finite")
         np.frombuffer(self.answered.of(8 * positions.size), np.float64, positions.size)[:] = positions.ravel()
         return {"count": len(positions)}
 
@@ -231,7 +241,8 @@ class Worker:
         entries, wanted = np.asarray(result), arguments["energy"].shape[:3]
         if entries.dtype.kind not in "iu" or entries.shape != wanted:
             raise TypeError(f"{name} returned {entries.dtype} of shape {entries.shape}; it must be entries, whole numbers of shape {wanted}")
-        np.frombuffer(self.answered.of(4 * entries.size), np.int32, entries.size)[:] = entries.ravel()
+        # Beyond what 32 bits hold they would become others, which may be in order.
+        np.frombuffer(self.answered.of(4 * entries.size), np.int32, entries.size)[:] = entries.ravel().astype(np.int64).clip(-1, 2**31 - 1)
         return {}
 
     def give_points(self, request: Any, result: Any, name: str) -> Mapping[str, Any]:
@@ -279,7 +290,7 @@ class Worker:
             faulthandler.cancel_dump_traceback_later()
             for stream in (sys.stdout, sys.stderr):
                 stream.flush()
-            self.tell(answer)
+            self.tell({**answer, "number": request["number"]})
 
 
 def local_imports(script: str) -> List[str]:
@@ -329,8 +340,9 @@ def _files_of(module: str, folder: str) -> List[str]:
 
 
 def main() -> None:
-    # The program's end ends this process, whatever it does: its end of a pipe closes, and the system sends a signal.
-    fcntl.fcntl(LIFE, fcntl.F_SETOWN, os.getpid())
+    # The program's end ends this process and those that it started, whatever they do: its end of a pipe closes, and the system sends a signal to
+    # the group.
+    fcntl.fcntl(LIFE, fcntl.F_SETOWN, -os.getpgrp())
     fcntl.fcntl(LIFE, F_SETSIG, SIGKILL)
     fcntl.fcntl(LIFE, fcntl.F_SETFL, fcntl.fcntl(LIFE, fcntl.F_GETFL) | os.O_ASYNC)
     for file in (SOCKET, GIVEN, ANSWERED, LIFE):

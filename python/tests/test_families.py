@@ -35,6 +35,7 @@ class Families(ScriptTest):
         for body, fault in (
             ("np.full(energy.shape[:3], -1)", "entry -1 at [0, 0, 0] is not from 0 to "),
             ("np.arange(np.prod(energy.shape[:3])).reshape(energy.shape[:3]) % 3", "differ by more than 1"),
+            ("np.full(energy.shape[:3], 2**32 + 1)", "at [0, 0, 0] is not from 0 to "),
             ("np.full(energy.shape[:3], 2.5)", "seam returned float64 of shape"),
             ("np.full(energy.shape[:2], 2)", "it must be entries, whole numbers of shape"),
         ):
@@ -79,6 +80,14 @@ class Families(ScriptTest):
         self.assertEqual(result.nodes["path"].frames, 2)
         self.write("rig.py", "def rig(d, at): return [[0, 0, 0], [0, 0, 0]]\n")
         with self.assertRaisesRegex(fluidcarve.Error, "rig returned no path: "):
+            fluidcarve.run(p, {}, **self.options)
+
+    def test_a_rig_through_no_place_is_refused_with_its_place(self):
+        p = fluidcarve.Pipeline()
+        path = p.rig.python(self.write("rig.py", "def rig(at): return [[0, 0, 0], [0, float('nan'), 1]]\n"))
+        p.lattice.build(path, spacing=0.1, extent_u=[-0.5, 0.5], extent_v=[-0.5, 0.5], name="lattice")
+        p.lattice.write("lattice", os.path.join(self.folder, "lattice.obj"), name="out")
+        with self.assertRaisesRegex(fluidcarve.Error, "ValueError: rig returned position 1 as .0.0, nan, 1.0.; positions must be finite"):
             fluidcarve.run(p, {}, **self.options)
 
     def test_a_rig_without_inputs_is_one_for_all_frames_unless_it_is_animated(self):

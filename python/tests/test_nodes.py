@@ -166,6 +166,7 @@ class Nodes(ScriptTest):
     def test_check_compares_the_function_with_the_pipeline(self):
         for script, fault in (
             ("def energy(d, gain, at): pass", "energy needs 'gain'; state it under `inputs` or `params`"),
+            ("def add(d, other): pass\ndef energy(d): pass", "glow.py: add needs 'other'; state it under `inputs` or `params`"),
             ("def energy(density, at): pass", "'inputs': glow.py:1: energy takes no 'd'; it takes density, at"),
             ("def glow(d): pass", "glow.py has no function 'energy'; write one, `def energy(d, at)`; it has glow"),
             ("def energy(d):\n  return (", "glow.py:2: SyntaxError: '(' was never closed" if sys.version_info >= (3, 10) else "glow.py:2: SyntaxError"),
@@ -223,6 +224,26 @@ class Nodes(ScriptTest):
         result = fluidcarve.run(p, {}, keep_going=True, to="glow", **self.options)
         self.assertEqual((result.exit, [(each.node, each.frame) for each in result.failures]), (4, [("glow", 52)]))
         self.assertEqual(fluidcarve.plan(p, {}, to="glow", **self.options).nodes["glow"].cached, 2)
+
+    def test_what_a_script_sends_by_itself_is_never_taken_for_an_answer(self):
+        self.options["threads"] = 1
+        p = fluidcarve.Pipeline(frames="51-54")
+        sim = p.vdb.read(PLUME, grids={"density": "float"})
+        good = p.field.python(inputs={"d": sim.density}, script=self.write("good.py", "def field(d): return d.leaves * 2\n"), name="good")
+        p.vdb.write(good, os.path.join(self.folder, "good.####.vdb"), name="expected")
+        for sent in ("noise", "{}", '{"warn": 5}', '{"number": 1}', ""):
+            script = f"import os\ndef field(d, at):\n  if at.frame == 52: os.write(3, {(sent + chr(10)).encode()!r})\n  return d.leaves * 2\n"
+            if not sent:
+                script = "def field(d, at):\n  if at.frame == 52: at.progress(float('nan'))\n  at.warn('a \\udc80 b')\n  return d.leaves * 2\n"
+            with self.subTest(sent):
+                bad = p.field.python(inputs={"d": sim.density}, script=self.write("bad.py", script), name="bad")
+                p.vdb.write(bad, os.path.join(self.folder, "bad.####.vdb"), name="got")
+                result = fluidcarve.run(p, {}, keep_going=True, **self.options)
+                self.assertEqual([(each.node, each.frame) for each in result.failures], [("bad", 52)])
+                self.assertIn("bad.py:2: ValueError" if not sent else "wrote into the socket", result.failures[0].message)
+                for frame in (51, 53, 54):
+                    self.assertEqual(fluidcarve.diff(*(os.path.join(self.folder, f"{name}.00{frame}.vdb") for name in ("good", "bad"))).result, "same")
+                del p["got"], p["bad"]
 
     def test_frames_go_on_with_the_processes_that_there_are(self):
         self.options["threads"] = 4

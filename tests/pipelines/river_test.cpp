@@ -1,5 +1,6 @@
 #include "carve/lattice/build.h"
 #include "carve/lattice/content_reach.h"
+#include "carve/lattice/rig_extent.h"
 #include "carve/remap/geometry/points.h"
 #include "carve/rig/transform.h"
 #include "carve/sdf/from_mesh.h"
@@ -89,12 +90,13 @@ struct Carved {
         }
         LatticeSpec spec;
         spec.spacing = voxel;
-        spec.u = {-1.5 * water.u, 1.5 * water.u};
-        spec.v = {-3.3 * water.v, 2.2 * water.v};
+        spec.u = RigExtent{-153, 153, true}.of(water.u);
+        spec.v = RigExtent{-330, 220, true}.of(water.v);
         spec.smooth = Smooth::directions;
         spec.max_iterations = 1000;
-        const double before = water.before + voxel;
-        lattice = build_lattice(extended(rig, before, water.after + voxel), spec).lattice;
+        REQUIRE(water.before > 0);
+        const double aside = spec.u[1], before = water.before + aside;
+        lattice = build_lattice(extended(rig, before, water.after + aside), spec).lattice;
         begin = static_cast<int>(std::lround(before / voxel));
     }
 
