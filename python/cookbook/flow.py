@@ -3,18 +3,20 @@
 The flow is that of Lucas and Kanade, in two dimensions, by least squares in windows of (2 r + 1)^2 pixels.
 """
 
+from typing import Any
+
 import numpy as np
 
-pictures = []  # of all frames: the lowest voxel of each, and the mean along the axis
+pictures: "list[Any]" = []  # of all frames: the lowest voxel of each, and the mean along the axis
 
 
-def add(d, axis, at):
+def add(d: Any, axis: int, at: Any) -> None:
     """Called for each frame, in order."""
     low = np.delete(np.asarray(d.box[0]), axis)
     pictures.append((low, d.dense().mean(axis=axis)))
 
 
-def finish(r):
+def finish(r: int) -> "dict[str, Any]":
     """Called once, after the last frame: what it returns are arguments of `energy`."""
     low = np.min([corner for corner, _ in pictures], axis=0)
     size = np.max([corner - low + picture.shape for corner, picture in pictures], axis=0)
@@ -25,14 +27,14 @@ def finish(r):
     return {"low": low, "speed": np.stack([speed(all_frames[max(t - 1, 0)], all_frames[min(t + 1, len(pictures) - 1)], r) for t in range(len(pictures))])}
 
 
-def window_sum(values, r):
+def window_sum(values: Any, r: int) -> Any:
     """Sums over windows."""
     sums = np.pad(np.pad(values, r).cumsum(0).cumsum(1), ((1, 0), (1, 0)))
     n = 2 * r + 1
     return sums[n:, n:] - sums[:-n, n:] - sums[n:, :-n] + sums[:-n, :-n]
 
 
-def speed(before, after, r):
+def speed(before: Any, after: Any, r: int) -> Any:
     """How far each pixel moves between two frames, in pixels; 0 where the picture does not tell."""
     x, y = np.gradient((before + after) / 2)
     t = after - before
@@ -43,7 +45,7 @@ def speed(before, after, r):
     return np.where(clear, np.hypot(u, v) / np.where(clear, area, 1), 0)
 
 
-def energy(d, axis, low, speed, at):
+def energy(d: Any, axis: int, low: Any, speed: Any, at: Any) -> Any:
     x, y = np.delete(np.asarray(d.box[0]), axis) - low
     shape = np.delete(d.dense().shape, axis)
     return np.expand_dims(speed[at.time, x:x + shape[0], y:y + shape[1]], axis) * abs(d.dense())

@@ -6,6 +6,7 @@ those around it. What it can't foretell is detail, and keeps its look. Any libra
 
 import hashlib
 import os
+from typing import Any
 
 import numpy as np
 
@@ -15,25 +16,25 @@ VERSION = hashlib.sha1(open(WEIGHTS, "rb").read()).hexdigest() if os.path.exists
 _layers = dict(np.load(WEIGHTS)) if VERSION else {}
 
 
-def neighbours(dense):
+def neighbours(dense: Any) -> Any:
     """The 26 voxels around each, [x, y, z, 26]."""
     wide = np.pad(dense, 1)
     steps = [(x, y, z) for x in range(3) for y in range(3) for z in range(3) if (x, y, z) != (1, 1, 1)]
     return np.stack([wide[x:x + dense.shape[0], y:y + dense.shape[1], z:z + dense.shape[2]] for x, y, z in steps], axis=-1)
 
 
-def foretold(around, layers):
+def foretold(around: Any, layers: "dict[str, Any]") -> Any:
     """What the network takes each voxel for."""
     hidden = np.maximum(around @ layers["w1"] + layers["b1"], 0)
     return (hidden @ layers["w2"] + layers["b2"])[..., 0]
 
 
-def energy(d):
+def energy(d: Any) -> Any:
     dense = d.dense()
     return np.abs(dense - foretold(neighbours(dense), _layers))
 
 
-def train(volumes, units=8, steps=2000, rate=0.01):
+def train(volumes: "list[Any]", units: int = 8, steps: int = 2000, rate: float = 0.01) -> "dict[str, Any]":
     """Weights that foretell the voxels of some volumes, by Adam."""
     random = np.random.default_rng(1)
     layers = {"w1": random.normal(0, 0.3, (26, units)), "b1": np.zeros(units), "w2": random.normal(0, 0.3, (units, 1)), "b2": np.zeros(1)}

@@ -3,10 +3,12 @@
 Since it is the same in all slices and frames, neighbours there never differ; along j they differ by at most 1.
 """
 
+from typing import Any
+
 import numpy as np
 
 
-def line(costs):
+def line(costs: Any) -> Any:
     """The cheapest way through costs [j, entry] whose steps are at most 1."""
     sums = costs.astype(np.float64)
     for j in range(1, len(sums)):
@@ -20,6 +22,6 @@ def line(costs):
     return way
 
 
-def seam(energy, at):
+def seam(energy: Any, at: Any) -> Any:
     frames, slices, columns, _ = energy.shape
     return np.broadcast_to(line(energy.sum(axis=(0, 1))), (frames, slices, columns))
