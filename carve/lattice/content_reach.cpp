@@ -121,18 +121,19 @@ private:
         }
     }
 
-    /// Of tiles, the corners of the leaves that they stand for.
+    /// Of tiles, the corners of parts: as large as leaves, or a few thousand.
     void add_tiles(std::vector<Covered>& covered) const {
-        constexpr int leaf = FloatGrid::TreeType::LeafNodeType::DIM;
+        constexpr int leaf = FloatGrid::TreeType::LeafNodeType::DIM, most_along = 16;
         auto tile = grid_.tree().cbeginValueOn();
         tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
         for (; tile; ++tile) {
             if (!shown_(*tile)) continue;
             const auto box = tile.getBoundingBox();
-            for (int x = box.min().x(); x < box.max().x(); x += leaf)
-                for (int y = box.min().y(); y < box.max().y(); y += leaf)
-                    for (int z = box.min().z(); z < box.max().z(); z += leaf) {
-                        const auto part = CoordBBox::createCube(Coord(x, y, z), leaf);
+            const int step = std::max(leaf, box.dim().x() / most_along);
+            for (int x = box.min().x(); x < box.max().x(); x += step)
+                for (int y = box.min().y(); y < box.max().y(); y += step)
+                    for (int z = box.min().z(); z < box.max().z(); z += step) {
+                        const auto part = CoordBBox::createCube(Coord(x, y, z), step);
                         const auto near = planes_near(part);
                         for (int n = 0; n < 8; ++n) {
                             const Coord corner((n & 1 ? part.max() : part.min()).x(),

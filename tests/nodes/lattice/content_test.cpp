@@ -73,6 +73,18 @@ TEST_CASE("content around a straight rig is as wide as its voxels, and reaches b
     CHECK(reach->after == Approx(0).margin(1e-9));
 }
 
+TEST_CASE("content in tiles of any size is measured at once") {
+    auto grid = FloatGrid::create();
+    grid->tree().addTile(3, Coord(0), 1.0f, true);
+    const auto side = grid->evalActiveVoxelBoundingBox().dim().x();
+    REQUIRE(side == 4096);
+    const auto reach = content_reach(*grid, through({{100, 2048, 2048}, {3996, 2048, 2048}}));
+    REQUIRE(reach);
+    CHECK(reach->u == side);
+    CHECK(reach->before == 100);
+    CHECK(reach->after == 99);
+}
+
 TEST_CASE("content around a closed rig is measured across it, and has no ends") {
     const auto ring = circle_rig({0, 0, 0}, {0, 0, 1}, {6, 6}, 0);
     auto torus = FloatGrid::create(3 * 0.2);
