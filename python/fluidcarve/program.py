@@ -63,7 +63,7 @@ def call(words: Sequence[str], good: Sequence[int] = (0,)) -> Tuple[int, str]:
     process = spawn(words, subprocess.PIPE, subprocess.PIPE)
     out, err = (text.decode(errors="replace") for text in process.communicate())
     if process.returncode not in good:
-        raise Error(problems_in(out) or [Problem(err.strip() or f"the program ended with code {process.returncode}")], process.returncode)
+        raise Error(problems_in(out) or [Problem(err.strip().removeprefix("failed: ") or f"the program ended with code {process.returncode}")], process.returncode)
     return process.returncode, out
 
 
@@ -73,11 +73,13 @@ def call_json(words: Sequence[str], good: Sequence[int] = (0,)) -> Any:
 
 
 def problems_in(text: str) -> List[Problem]:
-    """The problems that `check --json` prints; none if the text is something else."""
+    """The problems that `check --json` prints, or the error that another verb prints; none if the text is something else."""
     try:
         entries = json.loads(text)
     except ValueError:
         return []
+    if isinstance(entries, dict) and entries.get("error"):
+        return [Problem(entries["error"])]
     if not isinstance(entries, list):
         return []
     return [Problem(entry["message"], entry.get("file", ""), entry.get("line", 0), entry.get("column", 0)) for entry in entries]

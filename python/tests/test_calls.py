@@ -105,6 +105,12 @@ class Running(unittest.TestCase):
         with self.assertRaises(fluidcarve.Error):
             fluidcarve.explain(PLUME.replace("####", "0051"))
 
+    def test_a_file_that_is_not_there_is_told_as_the_program_tells_it(self):
+        for call, arguments in ((fluidcarve.explain, ("/no.vdb",)), (fluidcarve.diff, ("/no.vdb", "/no.vdb"))):
+            with self.subTest(call.__name__), self.assertRaises(fluidcarve.Error) as raised:
+                call(*arguments)
+            self.assertTrue(raised.exception.problems[0].message.startswith("/no.vdb does not exist"), raised.exception)
+
     def test_a_farm_tells_its_steps(self):
         path = os.path.join(self.folder, "shot.yaml")
         plume(self.out).save(path)
