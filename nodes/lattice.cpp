@@ -7,7 +7,7 @@
 #include "carve/lattice/content_reach.h"
 #include "carve/lattice/lattice.h"
 #include "carve/lattice/rig_extent.h"
-#include "carve/volume/volume.h"
+#include "carve/volume/cubes.h"
 #include "formats/file/output_file.h"
 #include "formats/geometry_file/wireframe.h"
 #include "graph/types/node_type.h"
@@ -361,7 +361,7 @@ struct LatticeBuild : LatticeNode {
         const auto reach = content_reach(*io.content, *io.rig);
         if (!reach) return;
         ++showing_;
-        voxel_ = voxel_size(*io.content);
+        voxel_ = shortest_edge(io.content->transform());
         sum_.u += reach->u;
         sum_.v += reach->v;
         sum_.before = std::max(sum_.before, reach->before);

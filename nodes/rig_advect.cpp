@@ -2,6 +2,7 @@
 #include "carve/rig/advect.h"
 #include "carve/rig/rig.h"
 #include "carve/rig/streaklines.h"
+#include "carve/volume/cubes.h"
 #include "carve/volume/volume.h"
 #include "graph/types/node_type.h"
 #include "nodes/rig.h"
@@ -82,7 +83,7 @@ public:
 
     void add(const Params& params, const Ports& io, Context& context) {
         context.check_cancelled();
-        const double voxel = shortest_edge(*io.velocity);
+        const double voxel = shortest_edge(io.velocity->transform());
         apart_ = params.apart.value_or(voxel);
         sets_.push_back(
             {context.place(), points_in_ball(seed_of(params), params.radius, params.count)});

@@ -3,6 +3,7 @@
 #include "carve/field/shown_part.h"
 #include "carve/lattice/directions.h"
 #include "carve/lattice/resample.h"
+#include "carve/volume/cubes.h"
 
 #include <openvdb/tree/LeafManager.h>
 #include <tbb/parallel_reduce.h>
@@ -159,7 +160,7 @@ double median(std::vector<double> of) {
 }  // namespace
 
 std::optional<ContentReach> content_reach(const FloatGrid& grid, const Rig& rig) {
-    const double voxel = voxel_size(grid);
+    const double voxel = shortest_edge(grid.transform());
     const Planes planes(rig, voxel);
     const auto covered = Gather(grid, planes).run();
     std::vector<double> u, v;
@@ -177,11 +178,6 @@ std::optional<ContentReach> content_reach(const FloatGrid& grid, const Rig& rig)
         out.after = std::max(0.0, covered.back().w.high);
     }
     return out;
-}
-
-double voxel_size(const FloatGrid& grid) {
-    const auto size = grid.voxelSize();
-    return std::min({size.x(), size.y(), size.z()});
 }
 
 }  // namespace fluidcarve

@@ -20,7 +20,4 @@ struct ContentReach {
 /// @throws Failure as resampled() and untwisted()
 std::optional<ContentReach> content_reach(const FloatGrid& grid, const Rig& rig);
 
-/// The voxel size of a grid, the least of its axes; world units.
-double voxel_size(const FloatGrid& grid);
-
 }  // namespace fluidcarve

@@ -2,6 +2,7 @@
 
 #include "carve/base/failure.h"
 #include "carve/rig/rig.h"
+#include "carve/volume/cubes.h"
 
 #include <fmt/format.h>
 #include <openvdb/tools/Interpolation.h>
@@ -68,11 +69,6 @@ private:
 
 }  // namespace
 
-double shortest_edge(const VectorGrid& grid) {
-    const auto size = grid.voxelSize();
-    return std::min({size.x(), size.y(), size.z()});
-}
-
 std::vector<Vec3d> points_in_ball(const Vec3d& center, double radius, int count) {
     // A sequence that fills the cube evenly: multiples of powers of 1 / root, where root^4 = root +
     // 1.
@@ -92,7 +88,7 @@ std::vector<Vec3d> points_in_ball(const Vec3d& center, double radius, int count)
 }
 
 void advect(std::vector<Vec3d>& points, const VectorGrid& velocity, double duration) {
-    const double voxel = shortest_edge(velocity);
+    const double voxel = shortest_edge(velocity.transform());
     std::vector<std::optional<Vec3d>> moved(points.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 16),
                       [&](const tbb::blocked_range<std::size_t>& range) {

@@ -6,9 +6,6 @@
 
 namespace fluidcarve {
 
-/// The shortest edge of a voxel, world units.
-double shortest_edge(const VectorGrid& grid);
-
 /// Points spread evenly in a ball, the same in every call. Their centroid is the ball's centre.
 /// @param radius  world units
 std::vector<openvdb::Vec3d> points_in_ball(const openvdb::Vec3d& center, double radius, int count);

@@ -13,4 +13,7 @@ constexpr double least_voxel = 2e-5;
 /// @throws Failure if it is below `least_voxel`
 openvdb::math::Transform::Ptr cubes_of(double edge);
 
+/// The shortest edge of a voxel, world units.
+double shortest_edge(const openvdb::math::Transform& transform);
+
 }  // namespace fluidcarve

@@ -46,9 +46,11 @@ Volume finished(const Volume& source, const Volume& carved, const Lattice& given
     const auto lattice = map.extended(given);
     std::optional<Mapping> mapping;
     std::optional<CarveDerivative> derivative;
-    const bool level_sets = std::ranges::any_of(
-        carved.grids, [](const VolumeGrid& held) { return is_level_set(held.header()); });
-    if (!finish.densities.empty() || finish.transform_vectors || (level_sets && map.soft())) {
+    const bool level_sets = finish.renormalize.value_or(true) && map.soft() &&
+                            std::ranges::any_of(carved.grids, [](const VolumeGrid& held) {
+                                return is_level_set(held.header());
+                            });
+    if (!finish.densities.empty() || finish.transform_vectors || level_sets) {
         mapping.emplace(lattice, map.reach());
         derivative.emplace(*mapping, map);
     }

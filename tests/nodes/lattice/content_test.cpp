@@ -3,8 +3,6 @@
 #include "tests/support/built_lattices.h"
 #include "tests/support/scratch.h"
 
-#include <openvdb/tools/LevelSetSphere.h>
-#include <openvdb/tools/LevelSetUtil.h>
 #include <catch2/catch.hpp>
 
 using namespace fluidcarve;
