@@ -18,6 +18,8 @@ import tempfile
 import time
 import zipfile
 
+from prebind import prebind
+
 FONTS = [f"/usr/share/fonts/truetype/dejavu/{name}" for name in ("DejaVuSans.ttf", "DejaVuSans-Bold.ttf")]
 HERE = pathlib.Path(__file__).parent
 
@@ -74,6 +76,8 @@ class Tree:
         for name, path in sorted(libraries.items()):
             to = "loader/fluidcarve" if name.startswith("ld-linux") else f"libraries/{name}"
             self.put(os.path.realpath(path), f"lib/fluidcarve/{to}", packages[path])
+            if name.startswith("libopenvdb.") and prebind(self.top / f"lib/fluidcarve/{to}") == 0:
+                sys.exit(f"package: nothing could be bound in {path}, so that a start would be slow")
 
     def put_licences(self):
         for package in self.packages:
