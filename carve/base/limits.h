@@ -13,4 +13,7 @@ struct Limits {
                                          ///< and leave nothing behind
 };
 
+/// Half of the machine's memory, in bytes.
+std::uint64_t half_of_memory();
+
 }  // namespace fluidcarve

@@ -1,5 +1,6 @@
 #include "nodes/python/python_script.h"
 
+#include "carve/base/limits.h"
 #include "carve/base/words.h"
 #include "formats/file/confinement.h"
 #include "graph/types/context.h"
@@ -11,7 +12,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
 #include <mutex>
 #include <utility>
 
@@ -19,9 +19,6 @@ namespace fluidcarve {
 namespace {
 
 using Json = nlohmann::json;
-
-/// Libraries take some memory before a script asks for any.
-constexpr std::uint64_t least_worker_memory = std::uint64_t{1} << 30;
 
 std::string interpreter_of(const PythonParams& params) {
     if (params.python) return *params.python;
@@ -39,13 +36,24 @@ struct Known {
     struct Facts {
         Further further;
         bool gathers = false;
+        std::vector<std::string> takes;  ///< of what is offered
     };
     std::map<std::pair<std::string, std::string>, Facts> scripts;
+
+    Facts of(const PythonParams& params) {
+        const std::lock_guard lock(mutex);
+        const auto found = scripts.find({interpreter_of(params), path_of_script(params)});
+        return found == scripts.end() ? Facts{} : found->second;
+    }
 };
 
 Known& known() {
     static Known out;
     return out;
+}
+
+WorkerLimits limits_of(const PythonParams& params, const Context& context) {
+    return {params.timeout, context.memory_budget()};
 }
 
 WorkerHost host_of(Context& context) {
@@ -59,7 +67,8 @@ WorkerHost host_of(Context& context) {
 }  // namespace
 
 void check_script(const PythonParams& params, const std::string& function,
-                  const std::vector<std::string>& inputs, NodeCheck& check) {
+                  const std::vector<std::string>& inputs, NodeCheck& check,
+                  const std::vector<std::string>& offered) {
     // Of a path that leads out, the check of the whole pipeline tells.
     if (!Confinement::of_program().refusal(params.script.at(0)).empty()) return;
     if (params.script.per_frame())
@@ -69,41 +78,43 @@ void check_script(const PythonParams& params, const std::string& function,
         return check.fault("script", fmt::format("parameter 'script': there is no file {}", path));
     auto given = Json::array();
     for (const auto& [name, value] : params.params) given.push_back(name);
+    // What the run allows is not known here; its default is.
+    const WorkerLimits limits{params.timeout, half_of_memory()};
     try {
-        Workers::of_program().with_one(
-            {interpreter_of(params), path}, params.timeout, {}, [&](Worker& worker) {
-                const auto answer =
-                    worker.call({{"look", function}, {"inputs", inputs}, {"params", given}},
-                                params.timeout, {});
-                for (const auto& fault : answer.at("faults"))
-                    check.fault(fault.at("field").get<std::string>(),
-                                fault.at("message").get<std::string>());
-                const std::lock_guard lock(known().mutex);
-                known().scripts[{interpreter_of(params), path}] = {
-                    {answer.at("files").get<std::vector<std::string>>(),
-                     answer.at("version").get<std::string>()},
-                    answer.at("gathers").get<bool>()};
-            });
+        Workers::of_program().with_one({interpreter_of(params), path}, limits, {},
+                                       [&](Worker& worker) {
+                                           const auto answer = worker.call({{"look", function},
+                                                                            {"inputs", inputs},
+                                                                            {"params", given},
+                                                                            {"offered", offered}},
+                                                                           limits, {});
+                                           for (const auto& fault : answer.at("faults"))
+                                               check.fault(fault.at("field").get<std::string>(),
+                                                           fault.at("message").get<std::string>());
+                                           const std::lock_guard lock(known().mutex);
+                                           known().scripts[{interpreter_of(params), path}] = {
+                                               {answer.at("files").get<std::vector<std::string>>(),
+                                                answer.at("version").get<std::string>()},
+                                               answer.at("gathers").get<bool>(),
+                                               answer.at("takes").get<std::vector<std::string>>()};
+                                       });
     } catch (const Failure& failure) {
         check.fault("script", fmt::format("parameter 'script': {}", failure.what()));
     }
 }
 
-Further script_depends(const PythonParams& params) {
-    const std::lock_guard lock(known().mutex);
-    const auto found = known().scripts.find({interpreter_of(params), path_of_script(params)});
-    return found == known().scripts.end() ? Further{} : found->second.further;
-}
+Further script_depends(const PythonParams& params) { return known().of(params).further; }
 
-bool script_gathers(const PythonParams& params) {
-    const std::lock_guard lock(known().mutex);
-    const auto found = known().scripts.find({interpreter_of(params), path_of_script(params)});
-    return found != known().scripts.end() && found->second.gathers;
+bool script_gathers(const PythonParams& params) { return known().of(params).gathers; }
+
+bool script_takes(const PythonParams& params, const std::string& offered) {
+    const auto takes = known().of(params).takes;
+    return std::ranges::find(takes, offered) != takes.end();
 }
 
 std::unique_ptr<Worker> new_worker(const PythonParams& params, Context& context) {
-    return std::make_unique<Worker>(interpreter_of(params), path_of_script(params), params.timeout,
-                                    host_of(context));
+    return std::make_unique<Worker>(interpreter_of(params), path_of_script(params),
+                                    limits_of(params, context), host_of(context));
 }
 
 void call_script(Worker& worker, const PythonParams& params, const std::string& function,
@@ -111,22 +122,20 @@ void call_script(Worker& worker, const PythonParams& params, const std::string& 
                  const std::function<void(Worker&, const Json& answer)>& take) {
     Json request = give(worker);
     request["call"] = function;
-    request["memory"] = std::max(
-        least_worker_memory,
-        std::min<std::uint64_t>(context.memory_budget(), std::numeric_limits<std::int64_t>::max()));
     for (const auto& [name, value] : params.params) request["params"][name] = value.json();
     request["at"] = {
         {"frame", context.frame()}, {"time", context.place()}, {"work", context.work_folder()}};
     if (worker.frames != context.frames())
         request["at"]["frames"] = worker.frames = context.frames();
-    take(worker, worker.call(std::move(request), params.timeout, host_of(context)));
+    take(worker, worker.call(std::move(request), limits_of(params, context), host_of(context)));
 }
 
 void call_script(const PythonParams& params, const std::string& function, Context& context,
                  const std::function<Json(Worker&)>& give,
                  const std::function<void(Worker&, const Json& answer)>& take) {
     Workers::of_program().with_one(
-        {interpreter_of(params), path_of_script(params)}, params.timeout, host_of(context),
+        {interpreter_of(params), path_of_script(params)}, limits_of(params, context),
+        host_of(context),
         [&](Worker& worker) { call_script(worker, params, function, context, give, take); });
 }
 

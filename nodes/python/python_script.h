@@ -28,8 +28,10 @@ struct PythonParams {
 /// arguments.
 /// @param function  that the node calls; its arguments are the node's inputs, `params` and `at`
 /// @param inputs    names of the arguments that are inputs
+/// @param offered   names of those that it may leave out
 void check_script(const PythonParams& params, const std::string& function,
-                  const std::vector<std::string>& inputs, NodeCheck& check);
+                  const std::vector<std::string>& inputs, NodeCheck& check,
+                  const std::vector<std::string>& offered = {});
 
 /// The modules that the script imports from its own folder, and its VERSION. Of a script that can't
 /// be imported: nothing.
@@ -37,6 +39,8 @@ Further script_depends(const PythonParams& params);
 
 /// Whether the script has a function `add`, which is to see all frames, as its check found.
 bool script_gathers(const PythonParams& params);
+/// Whether the function takes an argument that was offered, as its check found.
+bool script_takes(const PythonParams& params, const std::string& offered);
 
 /// A worker of the script that nobody else calls. @throws as Worker
 std::unique_ptr<Worker> new_worker(const PythonParams& params, Context& context);

@@ -21,8 +21,9 @@ namespace {
 using Json = nlohmann::json;
 
 /// Writes what each entry in a window costs: [t, k, lateral, entry].
+/// @return behind the last of them
 template <class Cell>
-void write_costs(const EnergyVolume& energy, Window window, float* to) {
+float* write_costs(const EnergyVolume& energy, Window window, float* to) {
     const auto costs = energy.costs();
     for (std::size_t t = 0; t < energy.frames(); ++t)
         for (std::size_t column = 0; column < energy.columns_per_frame(); ++column) {
@@ -30,6 +31,15 @@ void write_costs(const EnergyVolume& energy, Window window, float* to) {
             to = std::transform(entries + window.first, entries + window.last + 1, to,
                                 [&](Cell cell) { return costs(cell); });
         }
+    return to;
+}
+
+/// Writes the field in a window: [t, k, lateral, entry].
+void write_field(const EnergyVolume& energy, Window window, float* to) {
+    const auto columns = energy.columns_per_frame() * energy.frames();
+    const auto width = static_cast<std::size_t>(window.size());
+    for (std::size_t column = 0; column < columns; ++column)
+        energy.field(column).read(window.first, {to + column * width, width});
 }
 
 std::string place_text(const Columns& columns, std::size_t column) {
@@ -60,7 +70,14 @@ Seams::Seam seam_of_script(const PythonParams& params, const EnergyVolume& energ
                            Context& context) {
     const Columns columns(energy);
     const auto width = static_cast<std::size_t>(window.size()), entries = columns.count() * width;
-    if (!grid_fits(static_cast<double>(entries * sizeof(float)), context.memory_budget()))
+    // A slab is at its first vertex; behind the last of them are those that it holds.
+    const auto& seen = energy.seen();
+    const Window vertices{window.first, window.last + seen.width() - energy.width()};
+    const auto in_field = script_takes(params, "field") && seen.has_field()
+                              ? columns.count() * static_cast<std::size_t>(vertices.size())
+                              : 0;
+    if (!grid_fits(static_cast<double>((entries + in_field) * sizeof(float)),
+                   context.memory_budget()))
         throw Failure(fmt::format(
             "the energy has {} entries, more than --memory allows; raise it, or state `finest: 2`",
             entries));
@@ -69,17 +86,22 @@ Seams::Seam seam_of_script(const PythonParams& params, const EnergyVolume& energ
     call_script(
         params, "seam", context,
         [&](Worker& worker) {
-            auto* const to = reinterpret_cast<float*>(worker.given.grown(entries * sizeof(float)));
-            if (energy.summed()) write_costs<float>(energy, window, to);
-            else write_costs<std::uint16_t>(energy, window, to);
-            return Json{
-                {"wants", "entries"},
-                {"bytes", worker.given.size()},
-                {"arrays",
-                 {{"energy",
-                   {{"at", 0},
+            auto* const to =
+                reinterpret_cast<float*>(worker.given.grown((entries + in_field) * sizeof(float)));
+            auto* const behind = energy.summed() ? write_costs<float>(energy, window, to)
+                                                 : write_costs<std::uint16_t>(energy, window, to);
+            const auto array = [&](std::size_t at, int last) {
+                return Json{
+                    {"at", at * sizeof(float)},
                     {"type", "float32"},
-                    {"shape", {columns.frames(), columns.slices(), columns.laterals(), width}}}}}}};
+                    {"shape", {columns.frames(), columns.slices(), columns.laterals(), last}}};
+            };
+            Json arrays{{"energy", array(0, window.size())}};
+            if (in_field > 0) {
+                write_field(seen, vertices, behind);
+                arrays["field"] = array(entries, vertices.size());
+            }
+            return Json{{"wants", "entries"}, {"bytes", worker.given.size()}, {"arrays", arrays}};
         },
         [&](Worker& worker, const Json&) {
             const auto* const found = reinterpret_cast<const std::int32_t*>(
@@ -106,7 +128,11 @@ struct SeamPython : SeamNode {
 
     static void check(const Params& params, NodeCheck& check) {
         SeamNode::check(params, check);
-        check_script(params, "seam", {"energy"}, check);
+        // What is the same in all frames is found in their sum, which has no field.
+        const bool has_field = check.stated("field") && !params.static_ && !params.pair_static &&
+                               params.cost.value_or(Cost::forward) == Cost::forward;
+        check_script(params, "seam", {"energy"}, check,
+                     has_field ? std::vector<std::string>{"field"} : std::vector<std::string>{});
     }
     static Further depends(const Params& params) { return script_depends(params); }
     void finish(const Params& params, Ports& io, Context& context) {
@@ -126,7 +152,9 @@ NodeType seam_python() {
         "Finds seams by your own function in Python, `seam(energy, at)`. It is called once for "
         "each seam, with what each entry costs, an array [t, k, j, entry]: inf is protected, below "
         "0 attracted. It returns the seam's entries, whole numbers [t, k, j], which may differ by "
-        "at most 1 between neighbours.");
+        "at most 1 between neighbours. With a `field`, and neither `static` nor `cost: backward`, "
+        "a function `seam(energy, field, at)` also gets what is seen, [t, k, j, vertex]. Where "
+        "seams are thick, an entry is the slab that begins there, so that `field` is longer.");
     return declare_python(declare_solver(node));
 }
 

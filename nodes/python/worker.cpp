@@ -21,6 +21,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <utility>
 
 namespace fluidcarve {
@@ -45,6 +46,8 @@ constexpr std::size_t most_printed = 1000, most_log = std::size_t{1} << 20;
 /// The process ends itself when its time is over, and tells where it was. Only if it can't, this
 /// program ends it so many seconds later.
 constexpr double grace = 2;
+/// Libraries take some memory before a script asks for any.
+constexpr std::uint64_t least_memory = std::uint64_t{1} << 30;
 constexpr int pause_ms = 50, most_going_ms = 2000;
 
 /// What the process's environment says beside that of this program, unless that says it: glibc
@@ -96,12 +99,12 @@ std::string place_in(const std::string& dump, const std::string& script) {
 
 }  // namespace
 
-Worker::Worker(const std::string& interpreter, const std::string& script, double seconds,
-               const WorkerHost& host)
+Worker::Worker(const std::string& interpreter, const std::string& script,
+               const WorkerLimits& limits, const WorkerHost& host)
     : interpreter_(interpreter), script_(script) {
     start();
     try {
-        call({{"open", script}}, seconds, host);
+        call({{"open", script}}, limits, host);
     } catch (...) {
         // No destructor runs for an object that was not made.
         end();
@@ -204,23 +207,25 @@ bool Worker::receive() {
     return got > 0 || (got < 0 && errno == EINTR);
 }
 
-Json Worker::call(Json request, double seconds, const WorkerHost& host) {
-    seconds_ = seconds;
-    request["seconds"] = seconds;
+Json Worker::call(Json request, const WorkerLimits& limits, const WorkerHost& host) {
+    seconds_ = limits.seconds;
+    request["seconds"] = limits.seconds;
+    request["memory"] = std::clamp<std::uint64_t>(limits.memory, least_memory,
+                                                  std::numeric_limits<std::int64_t>::max());
     request["number"] = ++calls_;
     const auto end_of_time = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                                std::chrono::duration<double>(seconds + grace));
+                                                std::chrono::duration<double>(seconds_ + grace));
     send(request.dump() + "\n");
     std::string line;
     while (true) {
         while (next_line(line)) {
             auto said = understood(line);
+            ready_ = true;
             if (said.contains("warn")) {
                 host.warn(said["warn"]);
             } else if (said.contains("progress")) {
                 host.progress(said["progress"]);
             } else {
-                ready_ = true;
                 if (const auto text = printed(); !text.empty())
                     host.warn("the script printed: " + text);
                 if (said.contains("failed")) throw Failure(said["failed"].get<std::string>());

@@ -20,6 +20,12 @@ struct WorkerHost {
     std::function<void(double)> progress = [](double) {};
 };
 
+/// What a call, or the import of the script, may take.
+struct WorkerLimits {
+    double seconds;        ///< after that the process is ended
+    std::uint64_t memory;  ///< bytes of the process
+};
+
 /// A process of Python that runs the functions of one script: python/fluidcarve/worker.py. The two
 /// talk by lines of JSON over a socket, and hand arrays over in shared memory. It ends with this
 /// object, and with this program, however that ends.
@@ -27,22 +33,20 @@ class Worker {
 public:
     /// Starts the process, and imports the script.
     /// @param interpreter  a path, or a name on PATH
-    /// @param seconds      that the import may take
     /// @throws Failure with the script's traceback; or if the interpreter can't be started or has
     ///   no numpy
     /// @throws Cancelled
-    Worker(const std::string& interpreter, const std::string& script, double seconds,
+    Worker(const std::string& interpreter, const std::string& script, const WorkerLimits& limits,
            const WorkerHost& host);
     ~Worker();
     Worker(const Worker&) = delete;
     Worker& operator=(const Worker&) = delete;
 
     /// Sends a request, and waits for its answer.
-    /// @param seconds  that the answer may take; after that the process is ended
     /// @throws Failure with the script's traceback, or with its place if the process ended or was
     ///   ended
     /// @throws Cancelled
-    nlohmann::json call(nlohmann::json request, double seconds, const WorkerHost& host);
+    nlohmann::json call(nlohmann::json request, const WorkerLimits& limits, const WorkerHost& host);
     /// Whether it can be called again.
     bool alive() const { return process_ > 0; }
 
@@ -74,7 +78,7 @@ private:
     int life_ = -1;  ///< the process ends once this is closed
     int log_ = -1;   ///< what the process prints
     int status_ = 0;
-    bool ready_ = false;
+    bool ready_ = false;       ///< it has begun to run the script
     std::uint64_t calls_ = 0;  ///< each answer has the number of its request
     double seconds_ = 0;       ///< of the last call
     std::string read_;

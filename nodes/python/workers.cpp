@@ -16,9 +16,9 @@ Workers::~Workers() {
     for (auto& starter : starters_) starter.join();
 }
 
-void Workers::with_one(const Kind& kind, double seconds, const WorkerHost& host,
+void Workers::with_one(const Kind& kind, const WorkerLimits& limits, const WorkerHost& host,
                        const std::function<void(Worker&)>& use) {
-    auto worker = taken(kind, seconds, host);
+    auto worker = taken(kind, limits, host);
     const auto give_back = [&] {
         const std::lock_guard lock(mutex_);
         auto& pool = pools_[kind];
@@ -35,7 +35,8 @@ void Workers::with_one(const Kind& kind, double seconds, const WorkerHost& host,
     give_back();
 }
 
-std::unique_ptr<Worker> Workers::taken(const Kind& kind, double seconds, const WorkerHost& host) {
+std::unique_ptr<Worker> Workers::taken(const Kind& kind, const WorkerLimits& limits,
+                                       const WorkerHost& host) {
     constexpr auto pause = std::chrono::milliseconds(50);
     std::unique_lock lock(mutex_);
     auto& pool = pools_[kind];
@@ -48,7 +49,7 @@ std::unique_ptr<Worker> Workers::taken(const Kind& kind, double seconds, const W
         }
         if (pool.busy + pool.starting == 0) break;
         ++pool.waiting;
-        if (pool.starting < pool.waiting && pool.can_start) start_beside(kind, seconds);
+        if (pool.starting < pool.waiting && pool.can_start) start_beside(kind, limits);
         changed_.wait_for(lock, pause);
         --pool.waiting;
         if (host.cancelled()) throw Cancelled{};
@@ -56,7 +57,7 @@ std::unique_ptr<Worker> Workers::taken(const Kind& kind, double seconds, const W
     ++pool.busy;
     lock.unlock();
     try {
-        return std::make_unique<Worker>(kind.first, kind.second, seconds, host);
+        return std::make_unique<Worker>(kind.first, kind.second, limits, host);
     } catch (...) {
         lock.lock();
         --pool.busy;
@@ -65,14 +66,14 @@ std::unique_ptr<Worker> Workers::taken(const Kind& kind, double seconds, const W
     }
 }
 
-void Workers::start_beside(const Kind& kind, double seconds) {
+void Workers::start_beside(const Kind& kind, const WorkerLimits& limits) {
     ++pools_[kind].starting;
-    starters_.emplace_back([this, kind, seconds] {
+    starters_.emplace_back([this, kind, limits] {
         std::unique_ptr<Worker> made;
         WorkerHost host;
         host.cancelled = [this] { return closing_.load(); };
         try {
-            made = std::make_unique<Worker>(kind.first, kind.second, seconds, host);
+            made = std::make_unique<Worker>(kind.first, kind.second, limits, host);
         } catch (...) {
             // Those that run go on. If none is left, the next caller starts one itself, and is told
             // why it can't.

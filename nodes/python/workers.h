@@ -28,9 +28,9 @@ public:
     ~Workers();
 
     /// Hands a worker to `use`. It is idle again afterwards, unless its process has ended.
-    /// @param seconds  that the import of the script may take
+    /// @param limits  of the import of the script
     /// @throws as Worker, and what `use` throws
-    void with_one(const Kind& kind, double seconds, const WorkerHost& host,
+    void with_one(const Kind& kind, const WorkerLimits& limits, const WorkerHost& host,
                   const std::function<void(Worker&)>& use);
 
 private:
@@ -40,8 +40,9 @@ private:
         bool can_start = true;  ///< none has failed to start beside others
     };
     /// An idle worker, or a new one; it counts as busy.
-    std::unique_ptr<Worker> taken(const Kind& kind, double seconds, const WorkerHost& host);
-    void start_beside(const Kind& kind, double seconds);
+    std::unique_ptr<Worker> taken(const Kind& kind, const WorkerLimits& limits,
+                                  const WorkerHost& host);
+    void start_beside(const Kind& kind, const WorkerLimits& limits);
 
     std::mutex mutex_;
     std::condition_variable changed_;

@@ -23,8 +23,9 @@ class Problem:
 
     @property
     def remedy(self) -> str:
-        """What to do about it: what the message says behind its last semicolon. Empty if it says nothing."""
-        return self.message.rpartition("; ")[2] if "; " in self.message else ""
+        """What to do about it: what the message's first line says behind its last semicolon. Empty if it says nothing."""
+        first = self.message.partition("\n")[0]
+        return first.rpartition("; ")[2] if "; " in first else ""
 
     def __str__(self) -> str:
         if self.node:

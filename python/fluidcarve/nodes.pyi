@@ -1327,7 +1327,9 @@ class SeamFamily:
         """
         Finds seams by your own function in Python, `seam(energy, at)`. It is called once for each seam, with what
         each entry costs, an array [t, k, j, entry]: inf is protected, below 0 attracted. It returns the seam's
-        entries, whole numbers [t, k, j], which may differ by at most 1 between neighbours.
+        entries, whole numbers [t, k, j], which may differ by at most 1 between neighbours. With a `field`, and
+        neither `static` nor `cost: backward`, a function `seam(energy, field, at)` also gets what is seen, [t, k, j,
+        vertex]. Where seams are thick, an entry is the slab that begins there, so that `field` is longer.
         """
 
 class SeamsChoose(Node):

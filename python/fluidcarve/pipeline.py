@@ -89,6 +89,7 @@ class Pipeline(Families):
         self._params: Dict[str, Dict[str, Any]] = {}
         self._nodes: Dict[str, Optional[Node]] = {}
         self._below: Dict[str, Node] = {}  # of the pipeline that this one extends
+        self._params_below: List[str] = []
 
     def param(self, name: str, type: str, default: Any = None, *, min: Optional[float] = None, max: Optional[float] = None,
               doc: str = "") -> Param:
@@ -99,6 +100,10 @@ class Pipeline(Families):
 
     def set(self, **params: Any) -> None:
         """Gives params other defaults: `p.set(count=-20)`."""
+        known = list(dict.fromkeys([*self._params_below, *self._params]))
+        for name in params:
+            if name not in known:
+                raise TypeError(f"there is no param '{name}'{_near(name, known)}")
         for name, value in params.items():
             self._params.setdefault(name, {})["default"] = value
 
@@ -232,6 +237,7 @@ def load(path: str, **options: Any) -> Pipeline:
     path = os.fspath(path)
     values = call_json(["check", path, "--verbose", *words_of(options)])
     out = Pipeline(extends=os.path.abspath(path))
+    out._params_below = list(values["params"])
     for name, entry in values["nodes"].items():
         stated = {key: each["value"] for key, each in entry.items() if key != "type" and each["from"] != "default"}
         out._below[name] = Node(out, name, entry["type"]["value"], stated)
@@ -251,7 +257,7 @@ def _written(value: Any) -> Any:
 
 def _near(name: str, known: List[str]) -> str:
     near = difflib.get_close_matches(name, known, 1)
-    return f"; did you mean '{near[0]}'?" if near else f"; it has {', '.join(known)}" if len(known) < 40 else ""
+    return f"; did you mean '{near[0]}'?" if near else f"; there are {', '.join(known)}" if 0 < len(known) < 40 else ""
 
 
 def _assigned_to(frame: FrameType) -> str:

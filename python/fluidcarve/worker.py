@@ -92,7 +92,7 @@ class Worker:
         if "open" in request:
             return self.open(request["open"])
         if "look" in request:
-            return self.look(request["look"], request["inputs"], request["params"])
+            return self.look(request["look"], request["inputs"], request["params"], request["offered"])
         return self.call(request)
 
     def open(self, path: str) -> Mapping[str, Any]:
@@ -118,16 +118,22 @@ class Worker:
         self.script = importlib.util.module_from_spec(spec)
         # A name of its own, unless it would hide a module that others need.
         sys.modules.setdefault(name, self.script)
+        self.tell({"progress": 0})  # from here on the script runs
         spec.loader.exec_module(self.script)
         return {}
 
-    def look(self, function: str, inputs: List[str], params: List[str]) -> Mapping[str, Any]:
-        """What the script depends on, and what is wrong with a function's arguments."""
+    def look(self, function: str, inputs: List[str], params: List[str], offered: List[str]) -> Mapping[str, Any]:
+        """What the script depends on, what is wrong with a function's arguments, and which of the offered ones it takes."""
         version = getattr(self.script, "VERSION", "")
-        return {"files": local_imports(self.path), "version": str(version), "faults": self.faults(function, inputs, params),
-                "gathers": callable(getattr(self.script, "add", None))}
+        return {"files": local_imports(self.path), "version": str(version), "faults": self.faults(function, inputs, params, offered),
+                "gathers": callable(getattr(self.script, "add", None)), "takes": [each for each in offered if self.takes(function, each)]}
 
-    def faults(self, name: str, inputs: List[str], params: List[str]) -> List[Mapping[str, str]]:
+    def takes(self, name: str, argument: str) -> bool:
+        function = getattr(self.script, name, None)
+        taken = dict(inspect.signature(function).parameters) if callable(function) else {}
+        return argument in taken or any(each.kind is each.VAR_KEYWORD for each in taken.values())
+
+    def faults(self, name: str, inputs: List[str], params: List[str], offered: List[str]) -> List[Mapping[str, str]]:
         function = getattr(self.script, name, None)
         if not callable(function):
             have = [each for each, value in vars(self.script).items() if inspect.isfunction(value) and not each.startswith("_")]
@@ -145,7 +151,7 @@ class Worker:
             for each in given:
                 if each == "at" or (each not in taken and not rest):
                     out.append({"field": field, "message": f"'{field}': {place}: {name} takes no '{each}'; it takes {', '.join(known) or 'nothing'}"})
-        both = [each for each in inputs if each in params]
+        both = [each for each in [*inputs, *offered] if each in params]
         out += [{"field": "params", "message": f"'params': '{each}' is an input already; give it another name"} for each in both]
         if hasattr(self.script, "add"):
             for argument in inspect.signature(getattr(self.script, "add")).parameters.values():
@@ -155,7 +161,7 @@ class Worker:
         for argument in known.values():
             # What `finish` returns is known only when it has run.
             needed = not hasattr(self.script, "finish") and argument.default is argument.empty and argument.kind not in (argument.VAR_KEYWORD, argument.VAR_POSITIONAL)
-            if needed and argument.name not in [*inputs, *params, "at"]:
+            if needed and argument.name not in [*inputs, *params, *offered, "at"]:
                 out.append({"field": "inputs", "message": f"{place}: {name} needs '{argument.name}'; state it under `inputs` or `params`"})
         return out
 

@@ -1,9 +1,10 @@
+import json
 import os
 import unittest
 
 import fluidcarve
 
-from .scripts import ScriptTest
+from .scripts import ScriptTest, numpy
 from .test_pipeline import PLUME, ROOT
 
 COOKBOOK = ROOT / "python/cookbook"
@@ -30,6 +31,36 @@ class Families(ScriptTest):
         flat = self.write("flat.py", "import numpy as np\ndef seam(energy, place, at): return np.full(energy.shape[:3], place)\n")
         at_rim = self.solved(flat, params={"place": 0})
         self.assertLess(at_rim["energy"][0], self.solved(flat, params={"place": 20})["energy"][0])
+
+    def test_a_solver_sees_the_field_as_it_is_after_each_seam(self):
+        script = self.write("seen.py", """
+            import json
+            import numpy as np
+
+            def seam(energy, field, at):
+                with open(PATH, "a") as told:
+                    told.write(json.dumps([energy.shape, field.shape, field[0].tolist()]) + "\\n")
+                return np.full(energy.shape[:3], 12)
+            """.replace("PATH", repr(os.path.join(self.folder, "told"))))
+        for thickness in (1, 4):
+            p = fluidcarve.Pipeline(frames="51")
+            sim = p.vdb.read(PLUME, grids={"density": "float"})
+            box = p.lattice.box(fit=sim.density)
+            seams = p.seam.python(p.energy.gradient(sim.density), box, -2 * thickness, script, field=sim.density, thickness=thickness, empty=1)
+            p.seams.write(seams, os.path.join(self.folder, "seams.vdb"))
+            fluidcarve.run(p, {}, **self.options)
+            (energy, field, before), (_, _, after) = [json.loads(line) for line in self.read(os.path.join(self.folder, "told")).splitlines()]
+            os.remove(os.path.join(self.folder, "told"))
+            with self.subTest(thickness=thickness):
+                self.assertEqual(field[:3] + [field[3] - thickness + 1], energy)
+                before, after = numpy.array(before), numpy.array(after)
+                self.assertGreater(before.max(), 0.5)
+                self.assertTrue((numpy.delete(before, range(12, 12 + thickness), -1) == after).all())
+
+    def test_a_solver_that_needs_a_field_is_told_where_there_is_none(self):
+        script = self.write("seen.py", "def seam(energy, field): pass\n")
+        with self.assertRaisesRegex(fluidcarve.Error, "seen.py:1: seam needs 'field'"):
+            self.solved(script)
 
     def test_what_is_no_seam_is_refused_with_its_place(self):
         for body, fault in (

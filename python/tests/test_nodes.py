@@ -216,6 +216,22 @@ class Nodes(ScriptTest):
         told = self.failure("def energy(d):\n  hoard = []\n  while True: hoard.append(bytearray(1 << 26))\n", frames="51")
         self.assertIn("glow.py:3: MemoryError", told)
 
+    def test_what_a_script_does_while_it_is_imported_is_told_as_its_own(self):
+        for script, fault in (
+            ("import os\nos._exit(3)\n", "glow.py: the script ended its process with code 3, as os._exit does"),
+            ("import ctypes\nctypes.string_at(0)\n", "glow.py:2: the script's process crashed"),
+            ("hoard = []\nwhile True: hoard.append(bytearray(1 << 30))\n", "glow.py:2: MemoryError"),
+        ):
+            with self.subTest(script), self.assertRaises(fluidcarve.Error) as raised:
+                fluidcarve.check(self.pipeline(script), {}, allow_plugins=True)
+            self.assertIn(fault, str(raised.exception))
+
+    def test_a_remedy_is_never_a_line_of_a_script(self):
+        with self.assertRaises(fluidcarve.Error) as raised:
+            fluidcarve.check(self.pipeline("a = 1; b = 1 / 0\n"), {}, allow_plugins=True)
+        self.assertIn("a = 1; b = 1 / 0", str(raised.exception))
+        self.assertEqual([each.remedy for each in raised.exception.problems], [""])
+
     def test_one_frame_that_fails_stops_no_other(self):
         p = fluidcarve.Pipeline(frames="51-53")
         sim = p.vdb.read(PLUME, grids={"density": "float"})

@@ -97,6 +97,8 @@ class Loading(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             plume().save(os.path.join(folder, "show.yaml"))
             p = fluidcarve.load(os.path.join(folder, "show.yaml"))
+            with self.assertRaisesRegex(TypeError, "there is no param 'cuont'; did you mean 'count'?"):
+                p.set(cuont=-3)
             p.set(count=-3)
             p.frames = 51
             jet = p.mask.threshold(p["sim"].density, above=0.7)

@@ -32,11 +32,6 @@ void complain(const std::string& text) {
     put(text, stderr);
 }
 
-std::uint64_t half_of_memory() {
-    return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
-           static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) / 2;
-}
-
 namespace {
 
 /// Parses "8G", "500M", "1.5 GiB" into bytes. Units are powers of 1024.

@@ -22,8 +22,6 @@ namespace fluidcarve {
 void print(const std::string& text);
 /// Prints a message to stderr.
 void complain(const std::string& text);
-/// Half of the machine's memory, in bytes.
-std::uint64_t half_of_memory();
 
 /// Arguments of all verbs that take a pipeline.
 struct PipelineArguments {

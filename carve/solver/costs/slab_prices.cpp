@@ -299,7 +299,7 @@ EnergyVolume SlabPrices::of(const EnergyVolume& volume, int thickness, float emp
         frames[1] = std::move(frames[2]);
     }
     set_empty(out, volume, thickness, empty, all_taken);
-    out.set_slabs();
+    out.set_slabs(volume);
     const auto step = static_cast<float>(unit());
     out.set_rigidity({step * weights_.rigidity[0], step * weights_.rigidity[1]});
     if (volume.attracts() || volume.protects()) out.find_marks();

@@ -52,7 +52,8 @@ public:
     /// entries `i` to `i + thickness - 1`. A slab is protected if one of its entries is, or
     /// attracted.
     /// @param empty          price where nothing is seen, in mean prices of content
-    /// @param volume         like the one that was measured; slabs may have been removed from it
+    /// @param volume         like the one that was measured; slabs may have been removed from it.
+    ///   It lives as long as the prices
     /// @param taken          slabs that the next one is to keep away from
     /// @param memory_budget, folder  as for EnergyVolume
     EnergyVolume of(const EnergyVolume& volume, int thickness, float empty,

@@ -56,9 +56,11 @@ public:
     /// Sets the cost of any step, in space and in time.
     void set_rigidity(const std::array<float, 2>& rigidity) { rigidity_ = rigidity; }
     const std::array<float, 2>& rigidity() const { return rigidity_; }
-    /// Says that entries are prices of slabs (SlabPrices).
-    void set_slabs() { slabs_ = true; }
-    bool slabs() const { return slabs_; }
+    /// Says that entries are prices of slabs of a volume, which lives longer (SlabPrices).
+    void set_slabs(const EnergyVolume& of) { slabs_of_ = &of; }
+    bool slabs() const { return slabs_of_ != nullptr; }
+    /// What the entries are of: the volume of the slabs, else this one.
+    const EnergyVolume& seen() const { return slabs_of_ ? *slabs_of_ : *this; }
     /// Sets how far remove() hands on the energy of a deleted entry, in entries to both sides; 0:
     /// not at all.
     void set_spread(int entries) { spread_ = entries; }
@@ -170,7 +172,7 @@ private:
     std::vector<float> sums_;
     std::vector<float> energies_;  ///< sums_ without attraction; only if vertices are attracted
     std::size_t frames_summed_ = 1;
-    bool slabs_ = false;
+    const EnergyVolume* slabs_of_ = nullptr;
     bool protects_ = false;
     std::size_t attracted_ = 0;
     float attraction_ = 0;
