@@ -5,7 +5,7 @@ const data = JSON.parse(byId('data').textContent), packed = new Packed(data.pack
 const scenes = data.scenes.map(each => new Scene(each, packed)), whole = wholeOf(scenes);
 const views = scenes.map((scene, n) => new View(scene, n, whole));
 const home = {yaw: -1.05, pitch: 0.3, zoom: 1, pan: [0, 0]};
-let turn = {...home}, volume = null, chosen = views[0], drawing = 0, playing = 0;
+let turn = {...home}, volume = null, chosen = views[0], drawing = 0, playing = null;
 /** Milliseconds of script that the last picture took. */
 let scriptTime = 0;
 
@@ -124,15 +124,24 @@ function step(id, by) {
     input.dispatchEvent(new Event('input', {bubbles: true}));
 }
 
-function play(on) {
-    clearInterval(playing);
-    const slow = matchMedia('(prefers-reduced-motion: reduce)').matches;
-    playing = on ? setInterval(() => {
-        byId('frame').value = (number('frame') + 1) % frames.length;
-        showFrame();
-    }, slow ? 1000 : 125) : 0;
+/** Milliseconds that a frame stays: 24 frames are a second, those between the frames of the page too. */
+function pause() {
+    if (matchMedia('(prefers-reduced-motion: reduce)').matches) return 1000;
+    const at = number('frame'), next = frames[at + 1] ?? 2 * frames[at] - frames[at - 1];
+    return (next - frames[at]) * 1000 / 24;
+}
+async function play(on) {
+    const run = playing = on ? {} : null;
     byId('play').textContent = on ? 'Stop' : 'Play';
     byId('play').setAttribute('aria-pressed', on);
+    for (let shown = performance.now(); run;) {
+        const left = Math.max(pause() - (performance.now() - shown), 0);
+        await new Promise(done => setTimeout(done, left));
+        if (playing !== run) return;
+        shown = performance.now();
+        byId('frame').value = (number('frame') + 1) % frames.length;
+        await showFrame();
+    }
 }
 
 function resize() {

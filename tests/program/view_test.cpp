@@ -54,6 +54,33 @@ TEST_CASE("the pages of shipped pipelines stay below 2 MB", "[long]") {
     }
 }
 
+TEST_CASE("view plays what a change of time makes, and what a pipeline that carves nothing writes") {
+    const Scratch scratch;
+    const auto frames_of = [&](const std::string& arguments) {
+        const auto page = scratch / "view.html";
+        const auto ran = fluidcarve_program("view " + arguments + " -o " + page + " --work " +
+                                            (scratch / "work"));
+        INFO(ran.err);
+        REQUIRE(ran.code == 0);
+        const auto text = Scratch::read(page);
+        CHECK_THAT(text, Catch::Contains("\"sets\":[]"));
+        std::string out;
+        for (int frame = 51; frame < 62; ++frame)
+            if (text.find("\"number\":" + std::to_string(frame) + ",") != std::string::npos)
+                out += " " + std::to_string(frame);
+        return out;
+    };
+    CHECK(frames_of("pipelines/plume_shorter.yaml") == " 51 52 53 54");
+    CHECK(frames_of("pipelines/plume_slow.yaml") == " 51 52 53 54 55 56 57 58 59 60 61");
+    const auto written =
+        scratch.write("p.yaml",
+                      "fluidcarve: 1\nframes: 51-52\nnodes:\n"
+                      "  sim: {type: vdb.read, path: " SOURCE_ROOT
+                      "/tests/data/plume/plume.####.vdb, grids: {density: float}}\n"
+                      "  out: {type: vdb.write, source: sim, path: out/o.####.vdb}\n");
+    CHECK(frames_of(written) == " 51 52");
+}
+
 TEST_CASE("view says what a pipeline lacks to be shown") {
     const Scratch scratch;
     const auto pipeline =
@@ -61,7 +88,7 @@ TEST_CASE("view says what a pipeline lacks to be shown") {
                       "fluidcarve: 1\nframes: 51\nnodes:\n"
                       "  sim: {type: vdb.read, path: " SOURCE_ROOT
                       "/tests/data/plume/plume.####.vdb, grids: {density: float}}\n"
-                      "  out: {type: vdb.write, source: sim, path: out/o.####.vdb}\n");
+                      "  energy: {type: energy.gradient, field: sim.density}\n");
     const auto ran = fluidcarve_program("view " + pipeline);
     CHECK(ran.code == 2);
     CHECK_THAT(ran.err, Catch::Contains("nothing says what to show; add a preview.page"));

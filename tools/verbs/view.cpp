@@ -20,6 +20,8 @@ namespace fluidcarve {
 namespace {
 
 constexpr std::string_view page_type = "preview.page";
+/// Frames on a page that has nothing else to show.
+constexpr int most_played = 24;
 
 Value scalar(const Mark& mark, std::string text) {
     return {Value::Kind::scalar, mark, std::move(text), {}, {}};
@@ -143,14 +145,19 @@ std::string add_page(Document& document, std::string& name) {
                                                            : nullptr;
     const auto* before = sheet ? field(sheet, "before") : field(remap, "source");
     if (!before && built) before = field(built, "fit");
+    if (!before) before = field(solver, "field");
+    // Nothing is carved: the page plays what a sheet shows, or what is written.
+    const bool plays = !before;
+    const auto* const played = first_of(document, {"preview.sheet"}, "before");
+    if (plays) before = played ? field(played, "before") : nullptr;
+    if (!before)
+        before = field(first_of(document, {"vdb.write", "image.write"}, "source"), "source");
     if (before && before->kind == Value::Kind::list && !before->items.empty())
         before = &before->items.front();
-    if (!before) before = field(solver, "field");
     if (!before)
         return fmt::format(
-            "{}: it has no preview.page, preview.sheet or remap.grids, nor a lattice with `fit`, "
-            "so that nothing says what to show; add a "
-            "preview.page",
+            "{}: it has no preview.page or preview.sheet, and carves and writes no grids, so that "
+            "nothing says what to show; add a preview.page",
             document.name);
 
     for (name = "view"; document.nodes.find(name);) name += "_";
@@ -158,7 +165,9 @@ std::string add_page(Document& document, std::string& name) {
     const auto type = scalar(mark, std::string(page_type));
     add(page, "type", &type);
     add(page, "before", before);
-    if (sheet) add(page, "grid", field(sheet, "grid"));
+    add(page, "grid", field(sheet ? sheet : played, "grid"));
+    const auto frames = scalar(mark, std::to_string(most_played));
+    if (plays) add(page, "frames", &frames);
     if (lattice) add(page, "lattice", lattice);
     add(page, "energy",
         sheet && field(sheet, "energy") ? field(sheet, "energy") : field(solver, "energy"));
