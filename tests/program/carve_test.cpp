@@ -159,6 +159,35 @@ TEST_CASE("carve makes a sequence shorter or longer in time, and says what has n
     CHECK(carve("tests/data/images/rocket.jpg -2").code == 2);
 }
 
+TEST_CASE("carve makes pictures, particles and meshes shorter or longer in time, too") {
+    const Scratch scratch;
+    const auto carve = [&](const std::string& files, const std::string& out) {
+        const auto ran = fluidcarve_program("carve " + files + " 50% --axis t --sheet " +
+                                            (scratch / "sheet.png") + " -o " + (scratch / out) +
+                                            " --work " + (scratch / "work"));
+        INFO(ran.err);
+        REQUIRE(ran.code == 0);
+        CHECK(fs::remove(scratch / "sheet.png"));
+    };
+    carve("'tests/data/video/smoke.####.png'", "clip.####.png");
+    CHECK(fs::exists(scratch / "clip.0068.png"));
+    CHECK_FALSE(fs::exists(scratch / "clip.0069.png"));
+    carve("'tests/data/river/river.####.vdb'", "river.####.vdb");
+    scratch.write("bank.1.obj", Scratch::read("tests/data/river/riverbank.obj"));
+    scratch.write("bank.2.obj", Scratch::read("tests/data/river/riverbank.obj"));
+    carve(scratch / "bank.#.obj", "longer.#.obj");
+    CHECK(Scratch::read(scratch / "longer.3.obj") == Scratch::read(scratch / "longer.1.obj"));
+}
+
+TEST_CASE("carve --axis w goes along the axis that points up, and keeps the foot in place") {
+    const auto text_of = [](const std::string& arguments) {
+        return fluidcarve_program("carve " + arguments + " -10% -o x.####.vdb --print-pipeline")
+            .out;
+    };
+    CHECK(text_of(plume + " --axis w") == text_of(plume + " --axis z"));
+    CHECK_THAT(text_of(plume + " --axis w"), Catch::Contains("anchor: low"));
+}
+
 TEST_CASE("carve takes images", "[long]") {
     const Scratch scratch;
     const auto ran =

@@ -270,14 +270,15 @@ Contents contents_of_volumes(const std::vector<Facts>& files) {
     if (!out.vectors) out.highest = grids.highest(out.main);
     if (!out.vectors) out.velocity = velocity_beside(grids, out.main);
     if (out.matter != Matter::particles) out.same = grids.same(out.main);
-    const bool y_up = out.profile == "houdini" || out.profile == "embergen";
-    out.source = sources_of(grids.boxes(out.main), out.voxel, y_up ? 1 : 2);
+    out.y_up = out.profile == "houdini" || out.profile == "embergen";
+    out.source = sources_of(grids.boxes(out.main), out.voxel, out.y_up ? 1 : 2);
     return out;
 }
 
 Contents contents_of_images(const std::vector<Facts>& files) {
     Contents out;
     out.matter = Contents::Matter::image;
+    out.y_up = true;
     for (const auto& channel : files.front().at("channels"))
         out.floats.push_back(channel.at("name"));
     if (out.floats.empty())

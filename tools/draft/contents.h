@@ -22,7 +22,8 @@ struct Contents {
     bool in_volume = false;   ///< the files are VDB files
     bool alone = false;       ///< particles: no other grids lie beside them
     bool identified = false;  ///< particles: they have an `id`
-    double voxel = 1;  ///< edge of a voxel, or of one that suits particles or a mesh; world units
+    double voxel = 1;   ///< edge of a voxel, or of one that suits particles or a mesh; world units
+    bool y_up = false;  ///< y points up, not z
     std::string profile;              ///< name of the application's profile; empty: unknown
     openvdb::BBoxd box;               ///< around the content, in the files' world
     std::vector<std::string> floats;  ///< names of all float grids or channels that every file has

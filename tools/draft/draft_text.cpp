@@ -16,6 +16,10 @@ bool plain_name(const std::string& name) {
            std::ranges::all_of(name, word);
 }
 
+namespace {
+constexpr auto new_length = "\"${length}\"";
+}
+
 void DraftText::fog() {
     const bool fire = contents_.matter == Matter::fire,
                both = fire && contents_.flame != contents_.main;
@@ -165,15 +169,75 @@ void DraftText::mesh() {
     others("surface", "level", "surface", false);
 }
 
+void DraftText::paced_volume() {
+    Fields pace{{"source", "sim"}};
+    if (!contents_.velocity.empty())
+        pace.emplace_back("velocity", offer(contents_.velocity, "velocity", "vector"));
+    pace.emplace_back("frames", new_length);
+    comment("`sim` alone means all grids of the files.");
+    reader("vdb.read", "grids");
+    comment(contents_.velocity.empty()
+                ? "What follows has the new frames. The files have no velocity, so that what is "
+                  "seen tells where things move."
+                : "What follows has the new frames. The velocity says where things move, and is "
+                  "scaled by the speed.");
+    node("paced", "time.retime", pace);
+    node("out", "vdb.write", {{"source", "paced"}, {"path", "\"${out}\""}});
+    paced_sheet("paced",
+                text_value(contents_.matter == Matter::fire ? contents_.flame : contents_.main));
+}
+
+void DraftText::paced_particles() {
+    const bool beside = contents_.in_volume && !contents_.alone;
+    Fields pace{{"source", "sim"}}, drops{{"path", "\"${sim}\""}};
+    if (beside && !contents_.velocity.empty())
+        pace.emplace_back("velocity", offer(contents_.velocity, "velocity", "vector"));
+    pace.emplace_back("frames", new_length);
+    comment("The particles, and the grids beside them.");
+    if (beside) reader("vdb.read", "grids");
+    if (contents_.in_volume) drops.emplace_back("grid", text_value(contents_.main));
+    node("drops", "points.read", drops);
+    comment(contents_.identified
+                ? "What follows has the new frames. Particles go their ways by their `id`."
+                : "What follows has the new frames. Particles lack an `id`, so that those of the "
+                  "nearer frame move on.");
+    node("moved", "time.retime_points", {{"source", "drops"}, {"frames", new_length}});
+    if (beside) node("paced", "time.retime", pace);
+    Fields out{{"source", "moved"}, {"path", "\"${out}\""}};
+    if (beside) out.insert(out.begin() + 1, {"beside", "paced"});
+    node("out", "points.write", out);
+    if (!request_.sheet.empty())
+        node("surface", "sdf.from_points",
+             {{"points", "moved"}, {"voxel_size", fmt::format("{:.6g}", contents_.voxel)}});
+    paced_sheet("surface", "surface");
+}
+
+void DraftText::paced_image() {
+    comment("A grid for each channel, a voxel for each pixel, in the plane z = 0.");
+    reader("image.read", "channels");
+    comment("What follows has the new frames. What the pictures show says where things move.");
+    node("paced", "time.retime", {{"source", "sim"}, {"frames", new_length}});
+    node("out", "image.write", {{"source", "paced"}, {"path", "\"${out}\""}});
+    paced_sheet("paced", text_value(contents_.main));
+}
+
+void DraftText::paced_mesh() {
+    comment("The mesh of each frame.");
+    node("sim", "mesh.read", {{"path", "\"${sim}\""}});
+    comment("What follows has the new frames. Vertices move where the faces stay the same.");
+    node("paced", "time.retime_mesh", {{"source", "sim"}, {"frames", new_length}});
+    node("out", "mesh.write", {{"source", "paced"}, {"path", "\"${out}\""}});
+    if (!request_.sheet.empty())
+        node("surface", "sdf.from_mesh",
+             {{"mesh", "paced"}, {"voxel_size", fmt::format("{:.6g}", contents_.voxel)}});
+    paced_sheet("surface", "surface");
+}
+
 std::string DraftText::in_time() {
     if (request_.frames.empty())
         throw Failure(
             "--axis t: one file has no frames to take or to add; give a sequence, such as "
             "smoke.####.vdb");
-    const bool volume = contents_.matter == Matter::smoke || contents_.matter == Matter::fire ||
-                        contents_.matter == Matter::level_set;
-    if (!volume)
-        throw Failure("--axis t: only volumes can be made shorter or longer in time (time.retime)");
     if (!request_.solver.empty() || !request_.protect.empty() || !request_.seams.empty() ||
         !request_.solver_fields.empty() || !request_.remap_fields.empty())
         throw Failure(
@@ -189,27 +253,13 @@ std::string DraftText::in_time() {
     if (after < 2)
         throw Failure(fmt::format("--axis t: {} of {} frames leaves {}; leave two at least",
                                   request_.count, before, after));
-    std::string velocity;
-    if (!contents_.velocity.empty()) velocity = offer(contents_.velocity, "velocity", "vector");
-    comment("`sim` alone means all grids of the files.");
-    reader("vdb.read", "grids");
-    comment(velocity.empty() ? "What follows has the new frames. The files have no velocity, "
-                               "so that what is seen tells where things move."
-                             : "What follows has the new frames. The velocity says where "
-                               "things move, and is scaled by the speed.");
-    Fields pace{{"source", "sim"}, {"frames", "\"${length}\""}};
-    if (!velocity.empty()) pace.insert(pace.begin() + 1, {"velocity", velocity});
-    node("paced", "time.retime", pace);
-    node("out", "vdb.write", {{"source", "paced"}, {"path", "\"${out}\""}});
-    if (!request_.sheet.empty()) {
-        comment("Some of its frames in one picture.");
-        const auto grid =
-            text_value(contents_.matter == Matter::fire ? contents_.flame : contents_.main);
-        node("sheet", "preview.sheet",
-             {{"before", "paced"},
-              {"grid", grid},
-              {"axis", contents_.profile == "houdini" ? "z" : "y"},
-              {"path", "\"${sheet}\""}});
+    switch (contents_.matter) {
+        case Matter::smoke:
+        case Matter::fire:
+        case Matter::level_set: paced_volume(); break;
+        case Matter::particles: paced_particles(); break;
+        case Matter::image: paced_image(); break;
+        case Matter::mesh: paced_mesh(); break;
     }
     return fmt::format(
                "# {} in time: {} frames become {}.\n# Another length, other files: --set "

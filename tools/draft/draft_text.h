@@ -30,10 +30,12 @@ public:
     using Fields = DraftRequest::Fields;
 
     DraftText(const DraftRequest& request)
-        : request_(request), contents_(contents_of(request.facts)) {}
+        : request_(request), contents_(contents_of(request.facts)) {
+        axis_ = request.axis != 'w' ? request.axis : contents_.y_up ? 'y' : 'z';
+    }
 
     std::string text() {
-        if (request_.axis == 't') return in_time();
+        if (axis_ == 't') return in_time();
         switch (contents_.matter) {
             case Matter::smoke:
             case Matter::fire: fog(); break;
@@ -77,7 +79,7 @@ private:
         const std::array titles{"smoke", "fire", "a level set", "particles", "an image", "a mesh"};
         auto out = fmt::format("# {} {}, along {}: {} where it shows least.\n",
                                request_.count.starts_with('-') ? "Narrow" : "Widen",
-                               titles.at(static_cast<std::size_t>(contents_.matter)), request_.axis,
+                               titles.at(static_cast<std::size_t>(contents_.matter)), axis_,
                                warps() ? "a warp squeezes or draws it out" : "seams leave");
         out += "# Another amount, other files: --set count=-12 --set sim=FILES --set out=FILES\n";
         out += "fluidcarve: 1\n\nparams:\n";
@@ -106,6 +108,20 @@ private:
 
     /// A pipeline that makes the sequence shorter or longer.
     std::string in_time();
+    /// Nodes that give it its length, and write it.
+    void paced_volume();
+    void paced_particles();
+    void paced_image();
+    void paced_mesh();
+    void paced_sheet(const char* shown, const std::string& grid) {
+        if (request_.sheet.empty()) return;
+        comment("Some of its frames in one picture.");
+        node("sheet", "preview.sheet",
+             {{"before", shown},
+              {"grid", grid},
+              {"axis", contents_.y_up ? "z" : "y"},
+              {"path", "\"${sheet}\""}});
+    }
 
     // Parts that all pipelines have.
 
@@ -176,7 +192,7 @@ private:
         for (std::size_t n = 0; n < contents_.same.size(); ++n)
             all.push_back(fmt::format("sim.beside{}", n + 1));
         Fields fields{{"fit", all.size() == 1 ? fit : fmt::format("[{}]", fmt::join(all, ", "))}};
-        if (request_.axis == 'z') fields.emplace_back("axes", "zxy");
+        if (axis_ == 'z') fields.emplace_back("axes", "zxy");
         node("box", "lattice.box", fields);
         if (contents_.matter != Matter::image && contents_.box) rig_comment();
     }
@@ -227,13 +243,13 @@ private:
         fields.insert(fields.begin(), {"energy", "energy"});
         fields.emplace_back("lattice", "box");
         if (!protected_.empty()) fields.emplace_back("protect", "keep");
-        fields.emplace_back("axis", request_.axis == 'y' ? "v" : "u");
+        fields.emplace_back("axis", axis_ == 'y' ? "v" : "u");
         fields.emplace_back(warps() ? "amount" : "count", "\"${count}\"");
         // Seams may run out beside what none may pass.
         if (!protected_.empty() && !warps()) fields.emplace_back("best_effort", "true");
         if (contents_.matter != Matter::image)
             fields.emplace_back("anchor",
-                                contents_.source.at(static_cast<std::size_t>(request_.axis - 'x')));
+                                contents_.source.at(static_cast<std::size_t>(axis_ - 'x')));
         node("seams",
              warps()                   ? "warp.solve"
              : request_.solver.empty() ? "seam.pyramid"
@@ -269,10 +285,9 @@ private:
             node("kept", "seams.write", {{"seams", "seams"}, {"path", "\"${seams}\""}});
         if (request_.sheet.empty()) return;
         comment("Is the carve where it should be? Look here first.");
-        const bool y_up = contents_.profile == "houdini" || contents_.profile == "embergen";
         const auto* const view = contents_.matter == Matter::image ? "z"
-                                 : y_up ? (request_.axis == 'z' ? "x" : "z")
-                                        : (request_.axis == 'y' ? "x" : "y");
+                                 : contents_.y_up                  ? (axis_ == 'z' ? "x" : "z")
+                                                                   : (axis_ == 'y' ? "x" : "y");
         Fields fields{{"before", before},   {"after", after},   {"grid", text_value(grid)},
                       {"energy", "energy"}, {"lattice", "box"}, {"seams", "seams"}};
         if (render) fields.emplace_back("show", "render");
@@ -303,6 +318,7 @@ private:
     void mesh();
 
     const DraftRequest& request_;
+    char axis_ = 'x';  ///< x, y, z or t
     const Contents contents_;
     /// Outputs of the reader, and what they are, as YAML.
     std::vector<std::pair<std::string, std::string>> offered_;

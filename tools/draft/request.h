@@ -18,7 +18,7 @@ struct DraftRequest {
     std::string seams;           ///< path of the seams
     std::string sheet;           ///< path of the picture
     std::string count = "-20%";  ///< of seams
-    char axis = 'x';             ///< x, y or z of the files; t: frames
+    char axis = 'x';             ///< x, y or z of the files; w: upwards; t: frames
     std::string solver;          ///< node type; empty: what suits the content
     /// Each `GRID=VALUE`, or the path of a mesh or, for images, of a picture.
     std::vector<std::string> protect;
