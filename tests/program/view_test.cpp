@@ -54,7 +54,7 @@ TEST_CASE("the pages of shipped pipelines stay below 2 MB", "[long]") {
     }
 }
 
-TEST_CASE("view plays what a change of time makes, and what a pipeline that carves nothing writes") {
+TEST_CASE("view plays what a change of time makes, or else what is written") {
     const Scratch scratch;
     const auto frames_of = [&](const std::string& arguments) {
         const auto page = scratch / "view.html";
