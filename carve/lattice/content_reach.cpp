@@ -1,5 +1,6 @@
 #include "carve/lattice/content_reach.h"
 
+#include "carve/base/median.h"
 #include "carve/field/shown_part.h"
 #include "carve/lattice/directions.h"
 #include "carve/lattice/resample.h"
@@ -151,12 +152,6 @@ private:
     ShownPart shown_;
 };
 
-double median(std::vector<double> of) {
-    const auto middle = of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2);
-    std::ranges::nth_element(of, middle);
-    return *middle;
-}
-
 }  // namespace
 
 std::optional<ContentReach> content_reach(const FloatGrid& grid, const Rig& rig) {
@@ -172,7 +167,7 @@ std::optional<ContentReach> content_reach(const FloatGrid& grid, const Rig& rig)
         v.push_back(covered[k].v.high - covered[k].v.low + voxel);
     }
     if (u.empty()) return std::nullopt;
-    ContentReach out{median(std::move(u)), median(std::move(v))};
+    ContentReach out{median_of(std::move(u)), median_of(std::move(v))};
     if (planes.open()) {
         out.before = std::max(0.0, -covered.front().w.low);
         out.after = std::max(0.0, covered.back().w.high);

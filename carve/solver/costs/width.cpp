@@ -1,12 +1,13 @@
 #include "carve/solver/costs/width.h"
 
+#include "carve/base/median.h"
 #include "carve/field/shown_part.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace fluidcarve {
@@ -35,9 +36,7 @@ int width_in(const FloatGrid& grid, const Lattice& lattice, Axis axis) {
     });
     std::erase(widths, 0);
     if (widths.empty()) return 0;
-    const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
-    std::ranges::nth_element(widths, middle);
-    return *middle;
+    return median_of(std::move(widths));
 }
 
 }  // namespace fluidcarve
