@@ -16,6 +16,9 @@ struct Picture {
     std::vector<Colour> pixels;  ///< `[y][x]`, y down
 };
 
+/// Why this build can't draw, with the remedy; empty: it can.
+std::string drawing_fault();
+
 /// Reads a PNG file, opacity left out. @throws Failure (input) if it can't be read
 Picture read_png(const std::string& path);
 

@@ -123,6 +123,7 @@ struct Sheet {
     };
 
     static void check(const Params& params, NodeCheck& check) {
+        if (const auto fault = drawing_fault(); !fault.empty()) check.fault("", fault);
         const auto connected = [&](const char* input) { return check.connections(input) > 0; };
         if (connected("seams") && !connected("energy"))
             check.fault("seams", "'seams' are drawn over 'energy'; connect it too");
