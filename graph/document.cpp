@@ -18,6 +18,13 @@ namespace fluidcarve {
 
 namespace {
 
+/// The names of a map's fields.
+std::vector<std::string> names(const Value& map) {
+    std::vector<std::string> out;
+    for (const auto& field : map.fields) out.push_back(field.name);
+    return out;
+}
+
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_extends = 16;

@@ -19,9 +19,6 @@
 
 namespace fluidcarve {
 
-/// The names of a map's fields.
-std::vector<std::string> names(const Value& map);
-
 /// Holds the values of params and environment variables, and replaces `${name}` by them.
 class DocumentNames {
 public:

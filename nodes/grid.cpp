@@ -9,6 +9,7 @@
 #include "carve/volume/volume.h"
 #include "formats/vdb/grid_names.h"
 #include "graph/types/node_type.h"
+#include "nodes/params/check_params.h"
 #include "nodes/params/voxels_of.h"
 
 #include <fmt/format.h>
@@ -31,10 +32,7 @@ struct Crop {
     };
 
     static void check(const Params& params, NodeCheck& check) {
-        for (std::size_t n = 0; n < 3; ++n)
-            if (params.max[n] < params.min[n])
-                check.fault("max", fmt::format("'max' is below 'min' in {}: {:.10g} < {:.10g}",
-                                               "xyz"[n], params.max[n], params.min[n]));
+        check_corners(params.min, params.max, check);
     }
 
     static void run(const Params& params, Ports& io, Context&) {

@@ -11,6 +11,7 @@
 #include "formats/file/output_file.h"
 #include "formats/geometry_file/wireframe.h"
 #include "graph/types/node_type.h"
+#include "nodes/params/check_params.h"
 #include "nodes/params/lattice_node.h"
 #include "nodes/params/param_forms.h"
 #include "nodes/payload/active_box.h"
@@ -157,11 +158,9 @@ struct Box {
 
     static void check_extent(const Vec3& min, const Vec3& max, double spacing, NodeCheck& check) {
         for (std::size_t n = 0; n < 3; ++n) {
+            if (!check_corners(min, max, n, check)) continue;
             const double extent = max[n] - min[n], steps = extent / spacing;
-            if (extent < 0)
-                check.fault("max", fmt::format("'max' is below 'min' in {}: {:.10g} < {:.10g}",
-                                               "xyz"[n], max[n], min[n]));
-            else if (steps > most_steps)
+            if (steps > most_steps)
                 check.fault("max", fmt::format("the extent {:.10g} in {} is {:.0f} times the "
                                                "spacing {:.10g}; {} is the most",
                                                extent, "xyz"[n], steps, spacing, most_steps));

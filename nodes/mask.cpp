@@ -19,6 +19,7 @@
 #include "carve/volume/volume.h"
 #include "formats/mesh_file/topology.h"
 #include "graph/types/node_type.h"
+#include "nodes/params/check_params.h"
 
 #include <openvdb/tools/Count.h>
 #include <openvdb/tools/Morphology.h>
@@ -83,10 +84,7 @@ struct MaskBox {
         Ref<MaskGrid> mask;
     };
     static void check(const Params& params, NodeCheck& check) {
-        for (std::size_t n = 0; n < 3; ++n)
-            if (params.max[n] < params.min[n])
-                check.fault("max", fmt::format("'max' is below 'min' in {}: {:.10g} < {:.10g}",
-                                               "xyz"[n], params.max[n], params.min[n]));
+        check_corners(params.min, params.max, check);
     }
     static void run(const Params& params, Ports& io, Context&) {
         io.mask = box_mask(*io.like->grid, openvdb::Vec3d(params.min.data()),

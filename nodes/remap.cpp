@@ -47,22 +47,12 @@ struct ChoiceNames<Conserve> {
 
 namespace {
 
-struct RemapGrids {
+/// What all nodes have that carve.
+struct RemapNode {
     struct Params : JoinParams {
         Auto<Count> count;
-        Interpolation interpolation = Interpolation::linear;
-        Auto<bool> renormalize;
-        Conserve conserve = Conserve::none;
-        std::vector<std::string> densities{"density"};
-        bool transform_vectors = false;
         Rim rim = Rim::cut;
         double rim_fade = 8;
-    };
-    struct Ports {
-        Ref<Volume> source;
-        Ref<Lattice> lattice;
-        List<Seams> seams;
-        Ref<Volume> volume;
     };
 
     static void check(const Params& params, NodeCheck& check) {
@@ -73,13 +63,41 @@ struct RemapGrids {
         foresee_carve(params.count, ahead);
     }
 
+protected:
+    /// @param frame  a number, or the context whose frame it is
+    static CarveMap map_of(const Params& params, const auto& io, const auto& frame) {
+        auto out = carve_map(*io.lattice, io.seams, params.count, frame, params);
+        if (params.rim == Rim::fade) out.fade(params.rim_fade);
+        return out;
+    }
+};
+
+constexpr auto seams_doc = "Seams or a warp, or a list of them in the order of carving.";
+constexpr auto count_doc =
+    "Number of seams to carve, from the first on. If there are several sets, it counts in the last "
+    "one. The sign may be left out. auto is all. A warp is carved as a whole: leave `count` out.";
+
+struct RemapGrids : RemapNode {
+    struct Params : RemapNode::Params {
+        Interpolation interpolation = Interpolation::linear;
+        Auto<bool> renormalize;
+        Conserve conserve = Conserve::none;
+        std::vector<std::string> densities{"density"};
+        bool transform_vectors = false;
+    };
+    struct Ports {
+        Ref<Volume> source;
+        Ref<Lattice> lattice;
+        List<Seams> seams;
+        Ref<Volume> volume;
+    };
+
     static void run(const Params& params, Ports& io, Context& context) {
-        auto map = carve_map(*io.lattice, io.seams, params.count, context, params);
+        const auto map = map_of(params, io, context);
         if (map.empty()) {
             io.volume = io.source;
             return;
         }
-        if (params.rim == Rim::fade) map.fade(params.rim_fade);
         for (const auto& tear : find_tears(*io.source, *io.lattice, map))
             context.warn(to_text(tear));
         const Finish finish{
@@ -109,12 +127,8 @@ NodeType remap_grids() {
             .input("source", &RemapGrids::Ports::source, "The volume to carve, or one grid.")
             .input("lattice", &RemapGrids::Ports::lattice,
                    "The lattice in which the seams were found.")
-            .input("seams", &RemapGrids::Ports::seams,
-                   "Seams or a warp, or a list of them in the order of carving.")
-            .param("count", &RemapGrids::Params::count, Unit::seams, any_number(),
-                   "Number of seams to carve, from the first on. If there are several sets, it "
-                   "counts in the last one. The sign may be left out. auto is all. A warp is "
-                   "carved as a whole: leave `count` out.")
+            .input("seams", &RemapGrids::Ports::seams, seams_doc)
+            .param("count", &RemapGrids::Params::count, Unit::seams, any_number(), count_doc)
             .param("interpolation", &RemapGrids::Params::interpolation,
                    "How values are read between voxels, if the lattice's vertices are not voxels.")
             .param("renormalize", &RemapGrids::Params::renormalize,
@@ -151,11 +165,8 @@ NodeType remap_grids() {
 
 namespace {
 
-struct RemapMesh {
-    struct Params : JoinParams {
-        Auto<Count> count;
-        Rim rim = Rim::cut;
-        double rim_fade = 8;
+struct RemapMesh : RemapNode {
+    struct Params : RemapNode::Params {
         bool static_ = false;
     };
     struct Ports {
@@ -166,10 +177,6 @@ struct RemapMesh {
     };
 
     static bool animates(const Params& params) { return !params.static_; }
-    static void check(const Params& params, NodeCheck& check) {
-        check_fade(params.rim, check);
-        check_join(params, check);
-    }
     static void foresee(const Params& params, Outlook& ahead) { foresee_part(params.count, ahead); }
 
     static void run(const Params& params, Ports& io, Context& context) {
@@ -193,9 +200,8 @@ struct RemapMesh {
 
 private:
     static Ref<Mesh> carved(const Params& params, const Ports& io, int frame, Context& context) {
-        auto map = carve_map(*io.lattice, io.seams, params.count, frame, params);
+        const auto map = map_of(params, io, frame);
         if (map.empty()) return io.source;
-        if (params.rim == Rim::fade) map.fade(params.rim_fade);
         auto out = carve_mesh(*io.source, *io.lattice, map);
         for (const auto& warning : warnings_of(out)) context.warn(warning);
         return std::make_shared<Mesh>(std::move(out.mesh));
@@ -216,12 +222,8 @@ NodeType remap_mesh() {
                    "seams move (see `static`). Where a seam is removed, the mesh is compressed; "
                    "where one is inserted, it is stretched. Normals of the file stay as they are.")
             .input("lattice", &Ports::lattice, "The lattice in which the seams were found.")
-            .input("seams", &Ports::seams,
-                   "Seams or a warp, or a list of them in the order of carving.")
-            .param("count", &Params::count, Unit::seams, any_number(),
-                   "Number of seams to carve, from the first on. If there are several sets, it "
-                   "counts in the last one. The sign may be left out. auto is all. A warp is "
-                   "carved as a whole: leave `count` out.")
+            .input("seams", &Ports::seams, seams_doc)
+            .param("count", &Params::count, Unit::seams, any_number(), count_doc)
             .param("rim", &Params::rim, "As in remap.grids; use the same value for both.")
             .param("rim_fade", &Params::rim_fade, Unit::vertices, between(1, 10000), fade_doc)
             .param("static", &Params::static_,
@@ -236,11 +238,8 @@ NodeType remap_mesh() {
 
 namespace {
 
-struct RemapPoints {
-    struct Params : JoinParams {
-        Auto<Count> count;
-        Rim rim = Rim::cut;
-        double rim_fade = 8;
+struct RemapPoints : RemapNode {
+    struct Params : RemapNode::Params {
         double jitter = default_jitter;
         bool transform_vectors = false;
     };
@@ -251,17 +250,8 @@ struct RemapPoints {
         Ref<Points> points;
     };
 
-    static void check(const Params& params, NodeCheck& check) {
-        check_fade(params.rim, check);
-        check_join(params, check);
-    }
-    static void foresee(const Params& params, Outlook& ahead) {
-        foresee_carve(params.count, ahead);
-    }
-
     static void run(const Params& params, Ports& io, Context& context) {
-        auto map = carve_map(*io.lattice, io.seams, params.count, context, params);
-        if (params.rim == Rim::fade) map.fade(params.rim_fade);
+        const auto map = map_of(params, io, context);
         const auto& source = *io.source;
         const auto carved =
             carve_points(source.positions(), source.identities(), *io.lattice, map, params.jitter);
@@ -302,12 +292,8 @@ NodeType remap_points() {
             .input("source", &RemapPoints::Ports::source, "The points to carve.")
             .input("lattice", &RemapPoints::Ports::lattice,
                    "The lattice in which the seams were found. Points outside it stay bit for bit.")
-            .input("seams", &RemapPoints::Ports::seams,
-                   "Seams or a warp, or a list of them in the order of carving.")
-            .param("count", &RemapPoints::Params::count, Unit::seams, any_number(),
-                   "Number of seams to carve, from the first on. If there are several sets, it "
-                   "counts in the last one. The sign may be left out. auto is all. A warp is "
-                   "carved as a whole: leave `count` out.")
+            .input("seams", &RemapPoints::Ports::seams, seams_doc)
+            .param("count", &RemapPoints::Params::count, Unit::seams, any_number(), count_doc)
             .param("rim", &RemapPoints::Params::rim,
                    "How the carve ends at the lattice's rims, as in remap.grids; use the same "
                    "value for both.")

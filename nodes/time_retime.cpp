@@ -26,7 +26,15 @@ namespace fluidcarve {
 
 namespace {
 
-class Retime {
+/// What all nodes have that give a sequence another pace.
+struct Paced {
+    static void check(const PaceWish& wish, NodeCheck& check) { check_pace(wish, check); }
+    static std::vector<int> retimes(const PaceWish& wish, const std::vector<int>& frames) {
+        return Pace(wish, frames).frames();
+    }
+};
+
+class Retime : public Paced {
 public:
     struct Params : PaceWish {
         Auto<double> scale;
@@ -37,11 +45,6 @@ public:
         Optional<VectorGrid> velocity;
         Ref<Volume> volume;
     };
-
-    static void check(const Params& params, NodeCheck& check) { check_pace(params, check); }
-    static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) {
-        return Pace(params, frames).frames();
-    }
 
     void add(const Params&, const Ports& io, Context& context) {
         source_.add(*io.source, io.velocity, context.frame(), context.limits());
@@ -185,7 +188,7 @@ private:
     std::optional<Pace> pace_;
 };
 
-class RetimePoints {
+class RetimePoints : public Paced {
 public:
     struct Params : PaceWish {
         Auto<double> scale;
@@ -194,11 +197,6 @@ public:
         Ref<Points> source;
         Ref<Points> points;
     };
-
-    static void check(const Params& params, NodeCheck& check) { check_pace(params, check); }
-    static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) {
-        return Pace(params, frames).frames();
-    }
 
     void add(const Params&, const Ports& io, Context& context) { source_.add(io.source, context); }
 
@@ -259,18 +257,13 @@ private:
     PointMotion motion_;
 };
 
-class RetimeMesh {
+class RetimeMesh : public Paced {
 public:
     struct Params : PaceWish {};
     struct Ports {
         Ref<Mesh> source;
         Ref<Mesh> mesh;
     };
-
-    static void check(const Params& params, NodeCheck& check) { check_pace(params, check); }
-    static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) {
-        return Pace(params, frames).frames();
-    }
 
     void add(const Params&, const Ports& io, Context& context) { source_.add(io.source, context); }
     void finish(const Params& params, Ports&, Context&) { source_.finish(params); }

@@ -10,9 +10,14 @@
 
 namespace fluidcarve {
 
+namespace {
+
+/// A number for people, rounded to three significant digits; whole from 100 on.
 std::string three_digits(double value) {
     return fmt::format("{:.{}f}", value, value < 9.995 ? 2 : value < 99.95 ? 1 : 0);
 }
+
+}  // namespace
 
 std::string duration_text(double seconds) {
     if (seconds < 0.0995) return three_digits(seconds * 1e3) + " ms";

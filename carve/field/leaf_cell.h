@@ -25,9 +25,6 @@ inline openvdb::Coord voxel_below(const openvdb::Vec3d& q) {
     };
     return {floor(q.x()), floor(q.y()), floor(q.z())};
 }
-inline openvdb::Coord nearest_voxel(const openvdb::Vec3d& q) {
-    return voxel_below(q + openvdb::Vec3d(0.5));
-}
 
 /// Whether the cell of 2 x 2 x 2 voxels with lowest voxel `low` lies in one leaf.
 inline bool in_one_leaf(const openvdb::Coord& low) {

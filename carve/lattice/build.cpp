@@ -49,6 +49,12 @@ double sideways(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to, bo
     return out;
 }
 
+/// Number of vertices on the way around a rig: the outermost stand about one spacing apart.
+int vertices_around(double radius, double spacing) {
+    return static_cast<int>(
+        std::lround(2 * M_PI * std::max(1.0, vertices_along({0, radius}, spacing) - 1)));
+}
+
 /// Number of vertices along v.
 double vertices_beside(const LatticeSpec& spec) {
     return spec.around ? vertices_around(spec.u[1], spec.spacing)
@@ -163,11 +169,6 @@ BuiltLattice build_lattice(const Rig& rig, const LatticeSpec& spec, std::optiona
 
 double vertices_along(const std::array<double, 2>& extent, double spacing) {
     return std::floor((extent[1] - extent[0]) / spacing + 1e-3) + 1;
-}
-
-int vertices_around(double radius, double spacing) {
-    return static_cast<int>(
-        std::lround(2 * M_PI * std::max(1.0, vertices_along({0, radius}, spacing) - 1)));
 }
 
 LatticeForm form_of(const LatticeSpec& spec) {

@@ -50,9 +50,6 @@ BuiltLattice build_lattice(const Rig& rig, const LatticeSpec& spec,
 /// @param spacing  world units
 double vertices_along(const std::array<double, 2>& extent, double spacing);
 
-/// Number of vertices on the way around a rig: the outermost stand about one spacing apart.
-int vertices_around(double radius, double spacing);
-
 /// What of a lattice follows from a spec alone. The rig tells K, and whether the lattice is closed.
 LatticeForm form_of(const LatticeSpec& spec);
 

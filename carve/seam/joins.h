@@ -35,9 +35,9 @@ public:
     /// @param at  carved lattice coordinates that the step holds
     /// @param to  becomes the sides, in the order of the joins
     void sides(const openvdb::Vec3d& at, std::vector<Side>& to) const;
-    /// The places at which a point of the space before is shown, of all points at which sides are
-    /// blended by their weights: each place shows points by its sides' weights, and which of them
-    /// it shows depends on their share alone. None if it is removed, several if it is doubled.
+    /// Finds the places where a point shows after the step: none if it is removed, several if it is
+    /// doubled. Where two sides are blended, each shows as large a part of the points as its
+    /// weight; `share` decides whether this point belongs to it.
     /// @param at     lattice coordinates before the step
     /// @param share  of the point, from 0 up to 1, evenly distributed over points
     /// @param to     becomes the coordinates along the axis, rising from side to side

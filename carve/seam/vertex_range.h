@@ -21,7 +21,8 @@ struct VertexRange {
     std::optional<Window> vertices() const;
 };
 
-/// The windows that give what another one takes: one above it, and perhaps one below it, too.
+/// Windows that grow where another one shrinks, and the other way round. One lies above it; a
+/// second may lie below it.
 struct PairRanges {
     VertexRange above;
     std::optional<VertexRange> below;

@@ -24,6 +24,9 @@ std::string names_of(const Channels& channels) {
     return out;
 }
 
+namespace {
+
+/// Sorts channels: R, G, B, opacity, others. Most formats need this order.
 void sort_colours(Channels& channels) {
     const auto has = [&](const char* name) {
         return std::any_of(channels.begin(), channels.end(),
@@ -41,6 +44,8 @@ void sort_colours(Channels& channels) {
                      [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
     channels = std::move(sorted);
 }
+
+}  // namespace
 
 Channels channels_of(const Volume& volume, const ImageWish& wish) {
     Channels out;

@@ -38,9 +38,6 @@ bool is_identity(const openvdb::GridBase& grid);
 
 std::string names_of(const Channels& channels);
 
-/// Sorts channels: R, G, B, opacity, others. Most formats need this order.
-void sort_colours(Channels& channels);
-
 Channels channels_of(const Volume& volume, const ImageWish& wish);
 
 /// Checks that the format can hold these channels. @throws Failure with the remedy

@@ -30,8 +30,7 @@ bool bears_marks(const VdbHeader& header, std::string_view profile) {
     return any({"voxel_fog_density", "voxel_velocity", "voxel_signed_distance"});
 }
 
-}  // namespace
-
+/// The conventions of Blender, Houdini, EmberGen and Bifrost.
 std::span<const Conventions> all_conventions() {
     static const std::vector<Conventions> all{
         {"blender",
@@ -71,6 +70,8 @@ std::span<const Conventions> all_conventions() {
     };
     return all;
 }
+
+}  // namespace
 
 const Conventions* conventions_of(std::string_view name) {
     const auto all = all_conventions();

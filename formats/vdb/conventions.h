@@ -25,8 +25,6 @@ struct Conventions {
                               ///< axis, relative to the grids
 };
 
-/// The conventions of Blender, Houdini, EmberGen and Bifrost.
-std::span<const Conventions> all_conventions();
 /// The conventions of this name, or null.
 const Conventions* conventions_of(std::string_view name);
 

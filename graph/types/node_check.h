@@ -19,15 +19,12 @@ public:
     virtual std::size_t connections(std::string_view input) const = 0;
     /// Names of the connections of a named input, in the order of the file.
     virtual std::vector<std::string> names(std::string_view input) const = 0;
-    virtual void fault(
-        std::string_view field,
-        const std::string& message) = 0;  ///< adds a problem at the field, else at the node
-    virtual void fault(const Mark& at,
-                       const std::string& message) = 0;  ///< adds a problem inside a field's text,
-                                                         ///< such as a program
-    virtual void warn(
-        std::string_view field,
-        const std::string& message) = 0;  ///< adds a warning at the field, else at the node
+    /// Adds a problem at the field, else at the node.
+    virtual void fault(std::string_view field, const std::string& message) = 0;
+    /// Adds a problem inside a field's text, such as a program.
+    virtual void fault(const Mark& at, const std::string& message) = 0;
+    /// Adds a warning at the field, else at the node.
+    virtual void warn(std::string_view field, const std::string& message) = 0;
 };
 
 }  // namespace fluidcarve

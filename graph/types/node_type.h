@@ -182,9 +182,9 @@ public:
     }
 
     /// Raise the version whenever the same inputs give another result: cached results of another
-    /// version are not used.
+    /// version are not used. Those of the parts of a declaration add up.
     Declare& version(int number) {
-        type_.version = number;
+        type_.version += number;
         return *this;
     }
     /// Caches results in the work folder by default. For nodes whose results are faster to read

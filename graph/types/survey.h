@@ -37,22 +37,20 @@ public:
     virtual bool wants(std::string_view output) const = 0;
     /// Parts of the first output that the run will take.
     virtual const std::vector<Pick>& picks() const = 0;
-    virtual void stands_in(int frame,
-                           int file) = 0;  ///< frame `frame` uses the file of frame `file`
-    virtual void expect(
-        int frame,
-        std::uint64_t bytes) = 0;  ///< bytes of memory for the frame, estimated from its file
-    virtual void leave_out(int frame) = 0;  ///< removes the frame for all nodes; its neighbours
-                                            ///< become adjacent in time
-    virtual void missing(
-        int frame,
-        const std::string& message) = 0;  ///< the file, or a grid in it, is missing or unreadable
-    virtual void delivers(int frame, std::string_view output,
-                          Foreseen what) = 0;  ///< what the reader's output will be
+    /// The frame uses the file of another one.
+    virtual void stands_in(int frame, int file) = 0;
+    /// The frame will take so many bytes of memory, estimated from its file.
+    virtual void expect(int frame, std::uint64_t bytes) = 0;
+    /// Removes the frame for all nodes. Its neighbours become adjacent in time.
+    virtual void leave_out(int frame) = 0;
+    /// The file, or a grid in it, is missing or unreadable.
+    virtual void missing(int frame, const std::string& message) = 0;
+    /// What the reader's output will be.
+    virtual void delivers(int frame, std::string_view output, Foreseen what) = 0;
     /// What an input will be; null: not known.
     virtual const Foreseen* receives(int frame, std::string_view input) const = 0;
-    virtual void lies(std::string_view /*output*/, const Region&) {
-    }  ///< where an output lies, if headers or small files tell
+    /// Where an output lies, if headers or small files tell.
+    virtual void lies(std::string_view /*output*/, const Region&) {}
     virtual void warn(const std::string& message) = 0;
 };
 

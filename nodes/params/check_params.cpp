@@ -8,13 +8,27 @@
 
 namespace fluidcarve {
 
+bool check_corners(const Vec3& min, const Vec3& max, std::size_t dimension, NodeCheck& check) {
+    if (min[dimension] <= max[dimension]) return true;
+    check.fault("max", fmt::format("'max' is below 'min' in {}: {:.10g} < {:.10g}",
+                                   "xyz"[dimension], max[dimension], min[dimension]));
+    return false;
+}
+
+void check_corners(const Vec3& min, const Vec3& max, NodeCheck& check) {
+    for (std::size_t n = 0; n < 3; ++n) check_corners(min, max, n, check);
+}
+
+void check_anchor(const Anchor& anchor, NodeCheck& check) {
+    if (anchor.vertex < 0)
+        check.fault("anchor",
+                    fmt::format("parameter 'anchor' must be low, middle, high or a vertex from 0 "
+                                "on, not {}",
+                                anchor.vertex));
+}
+
 void check_params(const SolverParams& params, NodeCheck& check) {
-    if (params.anchor.vertex < 0)
-        check.fault(
-            "anchor",
-            fmt::format(
-                "parameter 'anchor' must be low, middle, high or a vertex from 0 on, not {}",
-                params.anchor.vertex));
+    check_anchor(params.anchor, check);
     if (params.pair_window && check.stated("anchor"))
         check.fault("anchor", "pairs of seams move neither end of the lattice: leave 'anchor' out");
     if (params.pair_window && !params.window)

@@ -4,6 +4,7 @@
 #include "carve/seam/seams.h"
 #include "carve/warp/find_warp.h"
 #include "graph/types/node_type.h"
+#include "nodes/params/check_params.h"
 #include "nodes/params/warp_amount_file.h"
 
 #include <fmt/format.h>
@@ -70,12 +71,7 @@ std::optional<std::string> one_vertex(const std::string& name, const Window& win
 }  // namespace
 
 void check_params(const WarpParams& params, NodeCheck& check) {
-    if (params.anchor.vertex < 0)
-        check.fault(
-            "anchor",
-            fmt::format(
-                "parameter 'anchor' must be low, middle, high or a vertex from 0 on, not {}",
-                params.anchor.vertex));
+    check_anchor(params.anchor, check);
     if (params.pair_window && check.stated("anchor"))
         check.fault("anchor",
                     "with a 'pair_window' neither end of the lattice moves: leave 'anchor' out");

@@ -1,4 +1,4 @@
-#include "nodes/payload/frame_energy.h"
+#include "nodes/payload/add_payloads.h"
 
 #include "carve/solver/costs/frame.h"
 #include "carve/solver/costs/half.h"

@@ -1,4 +1,4 @@
-#include "nodes/payload/grids.h"
+#include "nodes/payload/add_payloads.h"
 
 #include "carve/stream/grid_stream.h"
 #include "carve/stream/volume_stream.h"

@@ -1,4 +1,4 @@
-#include "nodes/payload/lattice.h"
+#include "nodes/payload/add_payloads.h"
 
 #include "carve/lattice/lattice.h"
 #include "carve/stream/binary.h"

@@ -1,4 +1,4 @@
-#include "nodes/payload/mesh.h"
+#include "nodes/payload/add_payloads.h"
 
 #include "carve/mesh/mesh.h"
 #include "carve/stream/mesh_stream.h"

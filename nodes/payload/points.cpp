@@ -1,4 +1,4 @@
-#include "nodes/payload/points.h"
+#include "nodes/payload/add_payloads.h"
 
 #include "carve/stream/points_stream.h"
 #include "carve/volume/volume.h"

@@ -1,4 +1,4 @@
-#include "nodes/payload/rig.h"
+#include "nodes/payload/add_payloads.h"
 
 #include "carve/rig/rig.h"
 #include "carve/stream/binary.h"

@@ -1,4 +1,4 @@
-#include "nodes/payload/seams.h"
+#include "nodes/payload/add_payloads.h"
 
 #include "carve/seam/seams.h"
 #include "carve/stream/binary.h"

@@ -1,4 +1,4 @@
-#include "nodes/payload/term_ranges.h"
+#include "nodes/payload/add_payloads.h"
 
 #include "carve/stream/binary.h"
 #include "graph/types/registry.h"

@@ -69,6 +69,12 @@ public:
     void text(double x, double y, const std::string& text, const Type& type,
               Align align = Align::left);
     double text_width(const std::string& text, const Type& type);
+    /// A text, cut so that it fits a width.
+    std::string fitting(std::string text, const Type& type, double width) {
+        if (text_width(text, type) <= width) return text;
+        while (!text.empty() && text_width(text + "...", type) > width) text.pop_back();
+        return text + "...";
+    }
 
     /// The file appears whole or not at all.
     /// @param provenance  what it states of how it was made

@@ -53,8 +53,8 @@ public:
 
     Canvas draw() {
         const double room = canvas_.width() - 2 * margin - axes_side;
-        canvas_.text(margin, 36, shortened(page_.title, title, room), title);
-        canvas_.text(margin, 56, shortened(page_.summary, plain, room), plain);
+        canvas_.text(margin, 36, canvas_.fitting(page_.title, title, room), title);
+        canvas_.text(margin, 56, canvas_.fitting(page_.summary, plain, room), plain);
         draw_axes(std::round(canvas_.width() - margin - axes_side / 2), header / 2 + 4);
         double y = header;
         for (std::size_t band = 0; band < layout_.bands(); ++band) {
@@ -140,7 +140,7 @@ private:
     void draw_panel(const SheetRow& row, const SheetPanel& panel, double x, double y) {
         const Canvas::Rect whole{x, y, layout_.column(), layout_.row()};
         const auto picture = layout_.picture(x, y);
-        canvas_.text(x, y - 7, shortened(panel.caption, plain, layout_.column()), plain);
+        canvas_.text(x, y - 7, canvas_.fitting(panel.caption, plain, layout_.column()), plain);
         canvas_.fill(whole, row.scale == SheetRow::Scale::none ? render_background : nothing);
         if (!panel.render.empty())
             canvas_.picture(layout_.place(picture, panel.render.area), panel.render.picture,
@@ -248,12 +248,6 @@ private:
             entry(rig_colour, false, "rig");
         if (any([](const SheetPanel& panel) { return !panel.seams.empty(); }))
             entry(seam_colour, false, page_.seams);
-    }
-
-    std::string shortened(std::string text, const Canvas::Type& type, double width) {
-        if (canvas_.text_width(text, type) <= width) return text;
-        while (!text.empty() && canvas_.text_width(text + "...", type) > width) text.pop_back();
-        return text + "...";
     }
 
     std::vector<std::string> wrapped(const std::string& text, const Canvas::Type& type,

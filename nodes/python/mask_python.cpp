@@ -1,4 +1,4 @@
-#include "nodes/python/mask_python.h"
+#include "nodes/python/nodes.h"
 
 #include "nodes/python/grid_script.h"
 

@@ -1,4 +1,4 @@
-#include "nodes/python/points_python.h"
+#include "nodes/python/nodes.h"
 
 #include "carve/field/dense.h"
 #include "carve/points/point_grid.h"

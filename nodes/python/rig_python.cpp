@@ -1,4 +1,4 @@
-#include "nodes/python/rig_python.h"
+#include "nodes/python/nodes.h"
 
 #include "carve/rig/rig.h"
 #include "carve/volume/volume.h"

@@ -1,4 +1,4 @@
-#include "nodes/python/seam_python.h"
+#include "nodes/python/nodes.h"
 
 #include "carve/field/dense.h"
 #include "graph/types/context.h"

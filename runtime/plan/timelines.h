@@ -26,12 +26,10 @@ public:
 
     /// The frames of all nodes together, as numbers. A place is an index in them.
     const std::vector<int>& frames() const { return frames_; }
-    const Line& taken(std::size_t node) const {
-        return lines_[taken_[node]];
-    }  ///< the frames that its inputs have
-    const Line& delivered(std::size_t node) const {
-        return lines_[delivered_[node]];
-    }  ///< the frames in which it delivers
+    /// The frames that its inputs have.
+    const Line& taken(std::size_t node) const { return lines_[taken_[node]]; }
+    /// The frames in which it delivers.
+    const Line& delivered(std::size_t node) const { return lines_[delivered_[node]]; }
 
 private:
     std::vector<int> frames_;

@@ -139,9 +139,9 @@ public:
 
     Canvas draw() {
         const double room = canvas_.width() - 2 * margin;
-        canvas_.text(margin, 36, fitting(shown_.title, title, room), title);
-        canvas_.text(margin, 58, fitting("A: " + shown_.paths.a, plain, room), plain);
-        canvas_.text(margin, 74, fitting("B: " + shown_.paths.b, plain, room), plain);
+        canvas_.text(margin, 36, canvas_.fitting(shown_.title, title, room), title);
+        canvas_.text(margin, 58, canvas_.fitting("A: " + shown_.paths.a, plain, room), plain);
+        canvas_.text(margin, 74, canvas_.fitting("B: " + shown_.paths.b, plain, room), plain);
         constexpr std::array names{"A", "B", "B - A"};
         for (std::size_t n = 0; n < names.size(); ++n)
             canvas_.text(left(n), header - 4, names[n], heading);
@@ -217,12 +217,6 @@ private:
                      Canvas::Align::centre);
         canvas_.text(rect.x + rect.width, baseline, fmt::format("{:.3g}", value(1)), plain,
                      Canvas::Align::right);
-    }
-
-    std::string fitting(std::string text, const Canvas::Type& type, double width) {
-        if (canvas_.text_width(text, type) <= width) return text;
-        while (!text.empty() && canvas_.text_width(text + "...", type) > width) text.pop_back();
-        return text + "...";
     }
 
     const DrawnDifference& shown_;

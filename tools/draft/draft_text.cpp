@@ -2,13 +2,10 @@
 
 #include "carve/base/frame_set.h"
 #include "carve/base/words.h"
-#include "graph/text/yaml_text.h"
 
 #include <charconv>
 
 namespace fluidcarve {
-
-std::string text_value(const std::string& text) { return yaml_scalar(text); }
 
 bool plain_name(const std::string& name) {
     const auto word = [](unsigned char c) { return std::isalnum(c) || c == '_'; };
@@ -101,7 +98,7 @@ void DraftText::particles() {
     comment("The particles, and the grids beside them.");
     if (beside) reader("vdb.read", "grids");
     Fields drops{{"path", "\"${sim}\""}};
-    if (contents_.in_volume) drops.emplace_back("grid", text_value(contents_.main));
+    if (contents_.in_volume) drops.emplace_back("grid", yaml_scalar(contents_.main));
     node("drops", "points.read", drops);
     comment(
         "What must keep its look: waves and drops of the liquid's surface, and currents if "
@@ -184,7 +181,7 @@ void DraftText::paced_volume() {
     node("paced", "time.retime", pace);
     node("out", "vdb.write", {{"source", "paced"}, {"path", "\"${out}\""}});
     paced_sheet("paced",
-                text_value(contents_.matter == Matter::fire ? contents_.flame : contents_.main));
+                yaml_scalar(contents_.matter == Matter::fire ? contents_.flame : contents_.main));
 }
 
 void DraftText::paced_particles() {
@@ -195,7 +192,7 @@ void DraftText::paced_particles() {
     pace.emplace_back("frames", new_length);
     comment("The particles, and the grids beside them.");
     if (beside) reader("vdb.read", "grids");
-    if (contents_.in_volume) drops.emplace_back("grid", text_value(contents_.main));
+    if (contents_.in_volume) drops.emplace_back("grid", yaml_scalar(contents_.main));
     node("drops", "points.read", drops);
     comment(contents_.identified
                 ? "What follows has the new frames. Particles go their ways by their `id`."
@@ -218,7 +215,7 @@ void DraftText::paced_image() {
     comment("What follows has the new frames. What the pictures show says where things move.");
     node("paced", "time.retime", {{"source", "sim"}, {"frames", new_length}});
     node("out", "image.write", {{"source", "paced"}, {"path", "\"${out}\""}});
-    paced_sheet("paced", text_value(contents_.main));
+    paced_sheet("paced", yaml_scalar(contents_.main));
 }
 
 void DraftText::paced_mesh() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "carve/base/failure.h"
+#include "graph/text/yaml_text.h"
 #include "graph/types/param.h"
 #include "tools/draft/contents.h"
 #include "tools/draft/draft.h"
@@ -16,9 +17,6 @@
 #include <utility>
 
 namespace fluidcarve {
-
-/// A path or a text of the command line as a YAML value.
-std::string text_value(const std::string& text);
 
 /// Whether a text can be the name of a reader's output in a pipeline.
 bool plain_name(const std::string& name);
@@ -67,7 +65,7 @@ private:
                                            type, value, doc);
     }
     static std::string path_param(const char* name, const std::string& value, const char* doc) {
-        return param(name, "path", value.empty() ? value : text_value(value), doc);
+        return param(name, "path", value.empty() ? value : yaml_scalar(value), doc);
     }
     /// Whether the count is no whole number.
     bool fraction() const {
@@ -129,10 +127,10 @@ private:
     /// @return "sim.NAME"
     std::string offer(const std::string& grid, const std::string& name, const char* type) {
         const auto alias = plain_name(grid) && !(name == "surface") ? grid : name;
-        const auto value = contents_.matter == Matter::image ? text_value(grid)
+        const auto value = contents_.matter == Matter::image ? yaml_scalar(grid)
                            : alias == grid
                                ? std::string(type)
-                               : fmt::format("{{name: {}, type: {}}}", text_value(grid), type);
+                               : fmt::format("{{name: {}, type: {}}}", yaml_scalar(grid), type);
         if (std::ranges::find(offered_, alias, &std::pair<std::string, std::string>::first) ==
             offered_.end())
             offered_.emplace_back(alias, value);
@@ -151,7 +149,6 @@ private:
         node("sim", type, fields);
     }
 
-    /// The nodes of masks that no seam may pass. @param like  a grid on whose voxels they lie
     /// Offers the grids that have the name of the one that is looked at.
     void beside() {
         for (std::size_t n = 0; n < contents_.same.size(); ++n)
@@ -159,6 +156,7 @@ private:
                   contents_.vectors ? "vector" : "float");
     }
 
+    /// The nodes of masks that no seam may pass. @param like  a grid on whose voxels they lie
     void masks(const std::string& like) {
         std::vector<std::string> all;
         for (const auto& each : protected_) {
@@ -169,12 +167,12 @@ private:
             if (!each.field.empty()) {
                 node(name, "mask.threshold", {{"field", each.field}, {"above", each.value}});
             } else if (contents_.matter == Matter::image) {
-                node(name + "_paint", "image.read", {{"path", text_value(each.value)}});
+                node(name + "_paint", "image.read", {{"path", yaml_scalar(each.value)}});
                 node(name + "_bright", "energy.image", {{"source", name + "_paint"}});
                 node(name, "mask.threshold",
                      {{"field", name + "_bright.intensity"}, {"above", "0.5"}});
             } else {
-                node(name + "_mesh", "mesh.read", {{"path", text_value(each.value)}});
+                node(name + "_mesh", "mesh.read", {{"path", yaml_scalar(each.value)}});
                 node(name, "mask.mesh", {{"mesh", name + "_mesh"}, {"like", like}});
             }
         }
@@ -288,7 +286,7 @@ private:
         const auto* const view = contents_.matter == Matter::image ? "z"
                                  : contents_.y_up                  ? (axis_ == 'z' ? "x" : "z")
                                                                    : (axis_ == 'y' ? "x" : "y");
-        Fields fields{{"before", before},   {"after", after},   {"grid", text_value(grid)},
+        Fields fields{{"before", before},   {"after", after},   {"grid", yaml_scalar(grid)},
                       {"energy", "energy"}, {"lattice", "box"}, {"seams", "seams"}};
         if (render) fields.emplace_back("show", "render");
         else if (contents_.matter != Matter::image) fields.emplace_back("show", "slice");

@@ -158,25 +158,6 @@ public:
             }
         }
     }
-    /// Sets eight voxels of a leaf in a line along an axis.
-    /// @param n          offset of the first one
-    /// @param direction  1: rising indices; -1: falling
-    static void write_line(Leaf& out, openvdb::Index n, int axis, int direction,
-                           const std::array<Voxel, 8>& line) {
-        const auto stride = static_cast<openvdb::Index>(direction * offset_stride(axis));
-        const auto write = [&](const auto& set) {
-            for (const auto& voxel : line) {
-                set(n, voxel.value);
-                out.setActiveState(n, voxel.on);
-                n += stride;
-            }
-        };
-        if constexpr (has_values<Leaf>)
-            write([values = out.buffer().data()](openvdb::Index at, const Value& value) {
-                values[at] = value;
-            });
-        else write([&](openvdb::Index at, bool value) { out.setValueOnly(at, value); });
-    }
     bool holds(const openvdb::Coord& at) const {
         const auto from = openvdb::Coord(at.x() >> 3, at.y() >> 3, at.z() >> 3) - low_;
         const auto within = [](int n, int size) {

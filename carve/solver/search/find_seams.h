@@ -22,11 +22,10 @@ namespace fluidcarve {
 
 /// A solver: finds one seam in a window that holds at least one. It works on the energy as it is
 /// now, codes or sums. The seam is feasible, passes no protected vertex, and comes with its energy,
-/// in which attracted vertices count 0.
+/// in which attracted vertices count 0. One that searches with the help of bounds takes them as a
+/// fifth argument, `SeamBounds*`; null: there are none.
 /// @param number  number of seams found before; ties lean to one side for even numbers, to the
 ///   other for odd
-/// One that searches with the help of bounds takes them as a fifth argument, `SeamBounds*`; null:
-/// there are none.
 class FindSeam {
 public:
     template <class Find>

@@ -1,6 +1,6 @@
 #include "carve/volume/volume.h"
 #include "graph/types/registry.h"
-#include "nodes/payload/grids.h"
+#include "nodes/payload/add_payloads.h"
 
 #include <catch2/catch.hpp>
 

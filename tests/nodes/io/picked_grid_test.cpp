@@ -2,7 +2,7 @@
 #include "carve/volume/volume.h"
 #include "formats/vdb/grid_names.h"
 #include "formats/vdb/vdb_file.h"
-#include "nodes/payload/grids.h"
+#include "nodes/payload/add_payloads.h"
 #include "nodes/remap.h"
 #include "nodes/vdb.h"
 #include "tests/support/node_bench.h"

@@ -3,7 +3,7 @@
 #include "formats/seam_file/seam_file.h"
 #include "formats/seam_file/seam_metadata.h"
 #include "formats/vdb/vdb_file.h"
-#include "nodes/payload/seams.h"
+#include "nodes/payload/add_payloads.h"
 #include "tests/support/files/edited_seams.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"

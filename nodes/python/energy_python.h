@@ -1,9 +1,0 @@
-#pragma once
-
-#include "graph/types/node_type.h"
-
-namespace fluidcarve {
-
-NodeType energy_python();
-
-}  // namespace fluidcarve
