@@ -62,10 +62,14 @@ struct Box {
 using Numbers = std::vector<float>;
 using Vectors = std::array<Numbers, 3>;
 
+/// Values that are not finite show no motion, and count as 0.
 Numbers numbers_of(const FloatGrid& grid, const Box& box) {
     openvdb::tools::Dense<float, openvdb::tools::LayoutZYX> dense(box.bounds);
     openvdb::tools::copyToDense(grid, dense);
-    return {dense.data(), dense.data() + box.count()};
+    Numbers out(dense.data(), dense.data() + box.count());
+    for (auto& value : out)
+        if (!std::isfinite(value)) value = 0;
+    return out;
 }
 
 /// Trilinear, held beyond the box.

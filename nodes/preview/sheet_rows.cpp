@@ -181,7 +181,10 @@ SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<
 
 std::string SheetRows::name_of(const Kind& kind) const {
     switch (kind.what) {
-        case Kind::What::before: return "before";
+        case Kind::What::before:
+            return std::ranges::find(kinds_, Kind::What::after, &Kind::what) == kinds_.end()
+                       ? "shown"
+                       : "before";
         case Kind::What::after: return "after";
         case Kind::What::difference: return "difference";
         case Kind::What::energy: break;

@@ -181,6 +181,11 @@ struct GridResult {
     /// Change of the mass that even scaling to the same size would bring, as a share.
     double even_change() const { return before.volume > 0 ? after.volume / before.volume - 1 : 0; }
     bool empty() const { return before.mass == 0; }
+    /// Whether it has one value everywhere in its boxes, as far as the sum tells.
+    bool flat() const {
+        constexpr double nearly = 0.999;
+        return before.highest && before.mass >= nearly * *before.highest * before.volume;
+    }
     bool gone() const { return nothing_left(before.mass, after.mass); }
     double change() const { return after.mass / before.mass - 1; }  ///< of the mass, as a share
 };
@@ -285,10 +290,13 @@ void warn_of_nothing_left(const GridResults& grids, const Context& context) {
 }
 
 void warn_of_mass(const GridResults& grids, const Context& context) {
+    // Beside content, a grid of one value is none.
+    const bool content = std::ranges::any_of(
+        grids, [](const auto& each) { return !each.second.empty() && !each.second.flat(); });
     std::vector<std::string> changes;
     for (const auto& [name, grid] : grids)
         // A river's box says nothing of its width, and the mass of a surface is not conserved.
-        if (!grid.surface && !grid.empty() && !grid.gone() &&
+        if (!grid.surface && !grid.empty() && !grid.gone() && !(content && grid.flat()) &&
             std::abs(grid.change()) >= much_mass &&
             std::abs((1 + grid.change()) / (1 + grid.even_change()) - 1) >= unlike_even)
             changes.push_back(fmt::format("{} {}, even scaling {}", name,

@@ -16,6 +16,8 @@ namespace {
 
 constexpr std::array errors{SIGPIPE, SIGXFSZ};  ///< what fails instead tells them
 
+std::atomic<pthread_t> watcher;
+
 sigset_t stop_signals() {
     sigset_t set;
     sigemptyset(&set);
@@ -34,17 +36,29 @@ Interrupt::Interrupt(std::string last_words, int grace_ms)
       grace_ms_(grace_ms) {
     for (const int number : errors) std::signal(number, SIG_IGN);
     // Signals are blocked in this thread, and so in all threads that it starts later. Only the
-    // watcher waits for them, without a descriptor, of which there may be no more.
+    // watcher waits for them, without a descriptor, of which there may be no more. A thread that
+    // was there before hands on those that it gets.
     const auto set = stop_signals();
     pthread_sigmask(SIG_BLOCK, &set, nullptr);
     thread_ = std::thread([this] { watch(); });
+    watcher = thread_.native_handle();
+    for (const int number : {SIGINT, SIGTERM, SIGHUP})
+        if (sigismember(&set, number) == 1) std::signal(number, &Interrupt::forward);
+}
+
+void Interrupt::forward(int number) {
+    const int error = errno;
+    pthread_kill(watcher, number);
+    errno = error;
 }
 
 Interrupt::~Interrupt() {
+    const auto set = stop_signals();
+    for (const int number : {SIGINT, SIGTERM, SIGHUP})
+        if (sigismember(&set, number) == 1) std::signal(number, SIG_DFL);
     ended_ = true;
     pthread_kill(thread_.native_handle(), SIGINT);
     thread_.join();
-    const auto set = stop_signals();
     pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
     for (const int number : errors) std::signal(number, SIG_DFL);
 }

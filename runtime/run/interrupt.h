@@ -9,7 +9,7 @@ namespace fluidcarve {
 /// Handles SIGINT (Ctrl-C), SIGTERM and, unless it is ignored (nohup), SIGHUP during its lifetime.
 /// The first signal asks the run to stop. After a time of grace, or at the second signal, the
 /// process removes unfinished files and exits with code 130. Writing into a closed pipe or beyond a
-/// file size limit fails with an error in place of a signal. Create it before any other thread.
+/// file size limit fails with an error in place of a signal. There is one at a time.
 class Interrupt {
 public:
     /// @param last_words  told on stderr by a process that exits at once; empty: nothing
@@ -23,6 +23,7 @@ public:
 
 private:
     void watch();
+    static void forward(int number);
     const std::string last_words_;
     const int grace_ms_;
     std::atomic<bool> asked_{false}, ended_{false};

@@ -382,6 +382,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     const auto delivered = prepared.delivered_frames();
     bool stopped = true, idle = false, whole = false;
     std::vector<std::string> written;
+    std::optional<std::size_t> frames;
     if (report.faults().empty()) {
         auto [schedule, to_do, absent] =
             wait_for_prerequisites(pipeline, prepared, request, cancelled);
@@ -409,6 +410,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
             WorkTimes costs(forecast.expected);
             idle = nothing_to_do(to_do);
             written = written_paths(pipeline, to_do);
+            frames = written_frames(pipeline, to_do);
             stopped = execute(pipeline, registry, request, prepared, schedule, report, costs,
                               request.profile_path.empty() ? nullptr : &profile, cancelled, told);
             whole = all_done(report, to_do);
@@ -435,7 +437,8 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     const auto summary = report.to_json(delivered, code);
     if (!request.quiet) tell_of_cache(prepared.cache(), report);
     tell_outcome(report, request, summary, told,
-                 done_text({delivered.size(), summary["wall_s"].get<double>(), idle, written}));
+                 done_text({frames.value_or(delivered.size()), summary["wall_s"].get<double>(),
+                            idle, written}));
     return write_all(pipeline, registry, request, summary, profile, start, code);
 }
 

@@ -43,4 +43,17 @@ std::vector<std::string> written_paths(const Pipeline& pipeline, const std::vect
     return out;
 }
 
+std::optional<std::size_t> written_frames(const Pipeline& pipeline,
+                                          const std::vector<Share>& shares) {
+    std::optional<std::size_t> out;
+    for (std::size_t n = 0; n < shares.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        for (const auto& spec : node.type->params)
+            if (shares[n].frames > 0 && spec.shape.kind == Shape::Kind::output_path &&
+                spec.path(node.params.get()).per_frame())
+                out = std::max(out.value_or(0), shares[n].frames);
+    }
+    return out;
+}
+
 }  // namespace fluidcarve

@@ -4,6 +4,7 @@
 #include "runtime/plan/schedule.h"
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,5 +29,9 @@ std::string interrupted_text(bool kept);
 bool nothing_to_do(const std::vector<Share>& shares);
 /// The paths of the writers that take part in a run, as the pipeline states them, each once.
 std::vector<std::string> written_paths(const Pipeline& pipeline, const std::vector<Share>& shares);
+/// Frames that the writers of a file per frame make, at most: behind a change of time not those
+/// that are read. Nothing: there is no such writer.
+std::optional<std::size_t> written_frames(const Pipeline& pipeline,
+                                          const std::vector<Share>& shares);
 
 }  // namespace fluidcarve

@@ -139,6 +139,7 @@ TEST_CASE("carve makes a sequence shorter or longer in time, and says what has n
     const auto ran = carve(plume + " -50% --progress none");
     INFO(ran.err);
     REQUIRE(ran.code == 0);
+    CHECK_THAT(ran.err, Catch::Contains("done: 3 frames in "));
     CHECK(fs::exists(scratch / "t.0053.vdb"));
     CHECK_FALSE(fs::exists(scratch / "t.0054.vdb"));
     CHECK_THAT(
@@ -177,6 +178,15 @@ TEST_CASE("carve makes pictures, particles and meshes shorter or longer in time,
     scratch.write("bank.2.obj", Scratch::read("tests/data/river/riverbank.obj"));
     carve(scratch / "bank.#.obj", "longer.#.obj");
     CHECK(Scratch::read(scratch / "longer.3.obj") == Scratch::read(scratch / "longer.1.obj"));
+}
+
+TEST_CASE("carve says that a count of nothing carves nothing") {
+    const Scratch scratch;
+    for (const std::string count : {"0", "0.4%"})
+        CHECK_THAT(fluidcarve_program("carve " + plume + " " + count + " -f 51 -o " +
+                                      (scratch / "o.####.vdb") + " --work " + (scratch / "w"))
+                       .err,
+                   Catch::Contains("is no seam, so that nothing is carved"));
 }
 
 TEST_CASE("carve --axis w goes along the axis that points up, and keeps the foot in place") {

@@ -69,8 +69,8 @@ private:
     }
     /// Whether the count is no whole number.
     bool fraction() const {
-        return !request_.count.ends_with('%') &&
-               request_.count.find_first_of(".eE") != std::string::npos;
+        const auto count = std::atof(request_.count.c_str());
+        return !request_.count.ends_with('%') && count != std::round(count);
     }
 
     std::string head() const {
@@ -114,11 +114,12 @@ private:
     void paced_sheet(const char* shown, const std::string& grid) {
         if (request_.sheet.empty()) return;
         comment("Some of its frames in one picture.");
-        node("sheet", "preview.sheet",
-             {{"before", shown},
-              {"grid", grid},
-              {"axis", contents_.y_up ? "z" : "y"},
-              {"path", "\"${sheet}\""}});
+        Fields fields{{"before", shown}, {"grid", grid}};
+        if (contents_.matter != Matter::image && !contents_.vectors)
+            fields.emplace_back("show", "render");
+        fields.emplace_back("axis", contents_.y_up ? "z" : "y");
+        fields.emplace_back("path", "\"${sheet}\"");
+        node("sheet", "preview.sheet", fields);
     }
 
     // Parts that all pipelines have.

@@ -121,10 +121,10 @@ void CarveArguments::declare(CLI::App& verb) {
                     "The carved files; with a frame token such as #### if there are several")
         ->required()
         ->type_name("FILES");
-    verb.add_option(
-            "--axis", axis,
-            "The axis of the files along which it becomes narrower or wider; w: lower or "
-            "higher, along the axis that points up; t: shorter or longer in time, by frames")
+    verb.add_option("--axis", axis,
+                    "The axis of the files along which it becomes narrower or wider; w: lower or "
+                    "higher, along the axis that points up (y in pictures and files of Houdini and "
+                    "EmberGen, else z); t: shorter or longer in time, by frames")
         ->check(CLI::IsMember({"x", "y", "z", "w", "t"}))
         ->capture_default_str();
     verb.add_option("--solver", solver,
