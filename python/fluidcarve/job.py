@@ -37,6 +37,7 @@ class Job:
         self._report = report or os.path.join(self._folder, "report.json")
         self._said: List[str] = []
         self._rest = b""
+        self._fraction = 0.0
         self._outcome: Any = None
         self._cancelled = False
         try:
@@ -94,9 +95,11 @@ class Job:
 
     def _hear(self, line: str) -> None:
         try:
-            event = taken_from(Event, json.loads(line))
-        except (ValueError, TypeError, AttributeError):
-            event = Event("warning", line)
+            answer = json.loads(line)
+            event = taken_from(Event, {"fraction": 1 if answer["event"] == "done" else self._fraction, **answer})
+        except (ValueError, TypeError, AttributeError, KeyError):
+            event = Event("warning", line, self._fraction)
+        self._fraction = event.fraction
         if event.event in ("failure", "warning"):
             self._said.append(event.text)
         if self._progress is not None:

@@ -18,7 +18,8 @@ def taken_from(kind: Type[T], answer: Mapping[str, Any], **more: Any) -> T:
 
 @dataclass(frozen=True)
 class Event:
-    """What a run tells while it runs: `event` is progress, warning, failure, result or done."""
+    """What a run tells while it runs: `event` is progress, warning, failure, result or done. `fraction` is the share of the work
+    that is done by then, 0 to 1."""
 
     event: str
     text: str = ""
