@@ -233,10 +233,10 @@ TEST_CASE(
     auto wish = render_wish();
     const auto page = [&] { return page_of(wish, {lit_frame(1, ball(), nullptr)}); };
     const auto before = page();
-    CHECK(names_of(before) == std::vector<std::string>{"before: lit, seen along y"});
+    CHECK(names_of(before) == std::vector<std::string>{"shown: lit, seen along y"});
     wish.exposure = 1.5;
     const auto after = page();
-    CHECK(names_of(after) == std::vector<std::string>{"before: lit, seen along y, exposure +1.5"});
+    CHECK(names_of(after) == std::vector<std::string>{"shown: lit, seen along y, exposure +1.5"});
     CHECK(brightness(after.rows[0].panels[0].render, middle) >
           brightness(before.rows[0].panels[0].render, middle) + 0.05);
 }

@@ -109,14 +109,14 @@ TEST_CASE("frames go across, kinds of picture down") {
 TEST_CASE("rows whose inputs are missing or that are not wanted are left out") {
     const auto cube_of_one = cube(Coord(0), 8, 1.0f);
     CHECK(names_of(page_of(wish_for(), {frame_of(1, cube_of_one, nullptr)})) ==
-          Names{"before: maximum along y"});
+          Names{"shown: maximum along y"});
     CHECK(names_of(page_of(wish_for(View::x, {SheetWish::Show::slice}),
                            {frame_of(1, cube_of_one, cube_of_one)})) ==
           Names{"before: slice at x = 3", "after: slice at x = 3"});
     auto frame = frame_of(1, cube_of_one, nullptr);
     frame.energy = cube(Coord(0), 4, 1.0f);
     const auto page = page_of(wish_for(), {frame});
-    CHECK(names_of(page) == Names{"before: maximum along y", "energy: slice at y = 3"});
+    CHECK(names_of(page) == Names{"shown: maximum along y", "energy: slice at y = 3"});
     CHECK(page.summary == "1 of 1 frame");
 }
 
