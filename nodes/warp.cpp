@@ -35,11 +35,8 @@ using Json = nlohmann::ordered_json;
 
 /// Amounts are multiples of this, so that one kept solution answers each of them alike.
 constexpr double amount_step = 1.0 / 65536;
-
-constexpr std::uint64_t most_points =
-    std::uint64_t{1} << 26;  ///< that a warp is found at, unless its factor is stated
-
-constexpr auto report_section = "warp";
+/// Points that a warp is found at, unless its factor is stated.
+constexpr auto most_points = std::uint64_t{1} << 26;
 
 double in_steps(double amount) { return std::round(amount / amount_step) * amount_step; }
 
@@ -107,6 +104,7 @@ Json report_of(const Seams& set, const WarpParams& params, const WarpAmount* amo
     else out["amounts"] = amounts_in(set, *amount);
     if (set.warp) out["factor"] = set.warp->factor();
     out["steepest"] = set.warp ? steepest(*set.warp) : 0.0;
+    if (params.rest) out["rest"] = true;
     return out;
 }
 
@@ -223,7 +221,8 @@ struct WarpSolve {
                            : report_of(set, params, nothing ? nullptr : &amount);
         }
         if (const auto fault = space.extension_fault(set); !fault.empty()) context.warn(fault);
-        context.report(report_section, report);
+        for (const auto& warning : warnings(report)) context.warn(warning);
+        context.report("warp", report);
         io.seams = std::make_shared<Seams>(std::move(set));
     }
 
@@ -262,6 +261,11 @@ struct WarpSolve {
             entry["steepest"] = steepest(warp);
         }
         return Payload(std::shared_ptr<const Seams>(set));
+    }
+    /// Warnings, made from a report. Behind seams that make the whole amount, none may be left.
+    static std::vector<std::string> warnings(const Json& entry) {
+        if (entry.value("amount", Json()) != 0.0 || entry.contains("rest")) return {};
+        return {"`amount` is 0, so that nothing is carved"};
     }
 
 private:
@@ -487,7 +491,7 @@ NodeType warp_solve() {
                 [params_of](const void* params, std::size_t vertices) {
                     return WarpSolve::wanted(params_of(params), vertices);
                 },
-                &WarpSolve::first, nullptr, "amount"})
+                &WarpSolve::first, &WarpSolve::warnings, "amount"})
         .in_place()
         .kept()
         .version(3);

@@ -80,24 +80,22 @@ void check_script(const PythonParams& params, const std::string& function,
     for (const auto& [name, value] : params.params) given.push_back(name);
     // What the run allows is not known here; its default is.
     const WorkerLimits limits{params.timeout, half_of_memory()};
+    const Workers::Kind kind{interpreter_of(params), path};
+    const auto look = [&](Worker& worker) {
+        const auto answer = worker.call(
+            {{"look", function}, {"inputs", inputs}, {"params", given}, {"offered", offered}},
+            limits, {});
+        for (const auto& fault : answer.at("faults"))
+            check.fault(fault.at("field").get<std::string>(),
+                        fault.at("message").get<std::string>());
+        const std::lock_guard lock(known().mutex);
+        known().scripts[kind] = {{answer.at("files").get<std::vector<std::string>>(),
+                                  answer.at("version").get<std::string>()},
+                                 answer.at("gathers").get<bool>(),
+                                 answer.at("takes").get<std::vector<std::string>>()};
+    };
     try {
-        Workers::of_program().with_one({interpreter_of(params), path}, limits, {},
-                                       [&](Worker& worker) {
-                                           const auto answer = worker.call({{"look", function},
-                                                                            {"inputs", inputs},
-                                                                            {"params", given},
-                                                                            {"offered", offered}},
-                                                                           limits, {});
-                                           for (const auto& fault : answer.at("faults"))
-                                               check.fault(fault.at("field").get<std::string>(),
-                                                           fault.at("message").get<std::string>());
-                                           const std::lock_guard lock(known().mutex);
-                                           known().scripts[{interpreter_of(params), path}] = {
-                                               {answer.at("files").get<std::vector<std::string>>(),
-                                                answer.at("version").get<std::string>()},
-                                               answer.at("gathers").get<bool>(),
-                                               answer.at("takes").get<std::vector<std::string>>()};
-                                       });
+        Workers::of_program().with_one(kind, limits, {}, look);
     } catch (const Failure& failure) {
         check.fault("script", fmt::format("parameter 'script': {}", failure.what()));
     }

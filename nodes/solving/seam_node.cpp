@@ -103,9 +103,6 @@ void SeamNode::solve(const Params& params, Ports& io, Context& context, const Fi
                             params.bound_passes, hold_after_, params.best_effort, thick},
                            context);
     }
-    if (task.asked == 0)
-        context.warn(fmt::format("count {} is no seam, so that nothing is carved",
-                                 ParamTraits<Count>::text(params.count)));
     if (task.count < task.asked && !falls_short(found.report))
         set_shortfall(found.report, static_cast<std::size_t>(task.asked), task.limit);
     for (const auto& warning : seam_warnings(found.report)) context.warn(warning);

@@ -182,11 +182,17 @@ TEST_CASE("carve makes pictures, particles and meshes shorter or longer in time,
 
 TEST_CASE("carve says that a count of nothing carves nothing") {
     const Scratch scratch;
+    const auto told = [&](const std::string& arguments) {
+        return fluidcarve_program("carve " + plume + " " + arguments + " -f 51 -o " +
+                                  (scratch / "o.####.vdb") + " --work " + (scratch / "w"))
+            .err;
+    };
+    // Of seams that were found before, none are taken.
+    CHECK_THAT(told("-2"), !Catch::Contains("nothing is carved"));
     for (const std::string count : {"0", "0.4%"})
-        CHECK_THAT(fluidcarve_program("carve " + plume + " " + count + " -f 51 -o " +
-                                      (scratch / "o.####.vdb") + " --work " + (scratch / "w"))
-                       .err,
-                   Catch::Contains("is no seam, so that nothing is carved"));
+        CHECK_THAT(told(count), Catch::Contains("`count` is no seam, so that nothing is carved"));
+    CHECK_THAT(told("-2 --warp"), !Catch::Contains("nothing is carved"));
+    CHECK_THAT(told("0 --warp"), Catch::Contains("`amount` is 0, so that nothing is carved"));
 }
 
 TEST_CASE("carve --axis w goes along the axis that points up, and keeps the foot in place") {

@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -138,6 +139,17 @@ TEST_CASE(
     CHECK(
         openvdb::gridConstPtrCast<openvdb::Int32Grid>(out.find("id"))->tree().getValue(Coord(0)) ==
         7);
+}
+
+TEST_CASE("values that are not finite show no motion, and the others move as without them") {
+    const auto from = puff(Vec3d(0)), to = puff(Vec3d(2, 0, 0));
+    const auto broken = from->deepCopy();
+    broken->tree().setValue(Coord(8, 8, 8), std::numeric_limits<float>::quiet_NaN());
+    broken->tree().setValue(Coord(-8, 8, 8), std::numeric_limits<float>::infinity());
+    const auto motion = motion_between({broken, nullptr}, {to, nullptr}, 0, ~std::uint64_t{0});
+    const auto half = density_of(volume_between(volume_with({from}), volume_with({to}), 0.5,
+                                                motion.get(), Transport::semi_lagrangian));
+    CHECK((centre(*half) - Vec3d(1, 0, 0)).length() < 0.1);
 }
 
 TEST_CASE("velocities are scaled by their name") {

@@ -217,6 +217,14 @@ TEST_CASE(
                 "seams, `amount` of a warp), keep the carve off the content (`protect` of the "
                 "solver), or keep the mass of densities (`conserve`)"});
     CHECK(removed({{block(0, 9, 1), block(0, 7, 1, "fuel")}}, {1, 1, 1, 1}).warnings.empty());
+    // A grid of one value is no content, beside one that shows something: its ends stay beyond the
+    // lattice, so that its box does not shrink.
+    const auto shell = block(-4, 43, -1, "shadow");
+    const std::vector<int> thirty(30, 5);
+    CHECK_THAT(removed({{shell}}, thirty).warnings.back(),
+               Catch::Contains("even scaling") && Catch::Contains("shadow -"));
+    CHECK_THAT(removed({{dense_middle(40), shell}}, thirty).warnings.back(),
+               !Catch::Contains("shadow -"));
     // The box around a surface says nothing of its width.
     const auto bulge = FloatGrid::create(1.5f);
     bulge->setName("surface");
