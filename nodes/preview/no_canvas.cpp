@@ -9,7 +9,8 @@ namespace fluidcarve {
 struct Canvas::Page {};
 
 std::string drawing_fault() {
-    return "this build draws no pictures; install libcairo2-dev, then configure and build again";
+    return "needs Cairo, which this build lacks; install libcairo2-dev, then configure and build "
+           "again";
 }
 
 Picture read_png(const std::string&) { throw Failure(drawing_fault()); }

@@ -111,13 +111,17 @@ private:
     void paced_particles();
     void paced_image();
     void paced_mesh();
+    /// Surfaces are seen from above, where they have their waves; all else from the front.
     void paced_sheet(const char* shown, const std::string& grid) {
         if (request_.sheet.empty()) return;
+        const bool from_above = contents_.matter == Matter::level_set ||
+                                contents_.matter == Matter::particles ||
+                                contents_.matter == Matter::mesh;
         comment("Some of its frames in one picture.");
         Fields fields{{"before", shown}, {"grid", grid}};
         if (contents_.matter != Matter::image && !contents_.vectors)
             fields.emplace_back("show", "render");
-        fields.emplace_back("axis", contents_.y_up ? "z" : "y");
+        fields.emplace_back("axis", contents_.y_up == from_above ? "y" : "z");
         fields.emplace_back("path", "\"${sheet}\"");
         node("sheet", "preview.sheet", fields);
     }
