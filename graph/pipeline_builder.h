@@ -10,6 +10,7 @@
 #include "graph/frames_of_inputs.h"
 #include "graph/outlooks.h"
 #include "graph/pipeline.h"
+#include "graph/promises.h"
 #include "graph/timelines.h"
 #include "graph/types/frame_files.h"
 #include "graph/types/registry.h"
@@ -94,10 +95,11 @@ public:
         out.frames = read_frames();
         for (auto& draft : drafts_) connect(draft);
         if (!order()) return out;
-        infer_rates();
-        if (document_.frames.text == "auto") out.holes = holes_in(out.frames);
         std::vector<Node*> nodes;
         for (auto& draft : drafts_) nodes.push_back(&draft.node);
+        pass_promises(nodes, problems_);
+        infer_rates();
+        if (document_.frames.text == "auto") out.holes = holes_in(out.frames);
         out.frames = infer_timelines(nodes, out.frames, problems_);
         check_paths(out.frames);
         check_written(out.frames);

@@ -1,6 +1,7 @@
 #include "nodes/remap.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/frame_set.h"
 #include "carve/field/filter.h"
 #include "carve/points/point_vectors.h"
 #include "carve/remap/finish/finish.h"
@@ -12,6 +13,7 @@
 #include "carve/remap/joining.h"
 #include "carve/remap/seam_filter.h"
 #include "carve/seam/carve_map.h"
+#include "carve/time/time_map.h"
 #include "graph/types/node_type.h"
 #include "nodes/params/carve_inputs.h"
 #include "nodes/params/join_params.h"
@@ -23,6 +25,9 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <memory>
+#include <optional>
+#include <utility>
 
 namespace fluidcarve {
 
@@ -84,6 +89,7 @@ struct RemapGrids : RemapNode {
         Conserve conserve = Conserve::none;
         std::vector<std::string> densities{"density"};
         bool transform_vectors = false;
+        std::optional<FramesCarved> in_time;  ///< if the seams are seams of frames
     };
     struct Ports {
         Ref<Volume> source;
@@ -92,7 +98,49 @@ struct RemapGrids : RemapNode {
         Ref<Volume> volume;
     };
 
-    static void run(const Params& params, Ports& io, Context& context) {
+    /// Frames leave a sequence that is there as a whole.
+    static bool gathers(const Params& params) { return params.in_time.has_value(); }
+    static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) {
+        return params.in_time->left(params.count, frames);
+    }
+    static void foresee(const Params& params, Outlook& ahead) {
+        if (!params.in_time) return RemapNode::foresee(params, ahead);
+        if (ahead.told("seams").size() > 1)
+            ahead.fault(
+                "takes seams of frames (`axis: t`) alone: carve them by a node of their own, and "
+                "what it gives by the others");
+        try {
+            time_fade_of(params, false);
+        } catch (const Failure& failure) {
+            ahead.fault(failure.what());
+        }
+    }
+
+    void add(const Params&, const Ports& io, Context& context) {
+        if (lattice_ && lattice_->hash != io.lattice->hash)
+            throw Failure(
+                "the lattice is another one than in the frames before, but seams of frames need "
+                "one that stands still: use a rig that does, or lattice.box");
+        lattice_ = io.lattice;
+        source_.add(*io.source, nullptr, context.frame(), context.limits());
+    }
+    void finish(const Params& params, Ports& io, Context&) {
+        const auto& set = *io.seams.front();
+        if (set.frames != source_.numbers())
+            throw Failure(fmt::format("the seams are of the frames {}, but the source has {}",
+                                      FrameSet(set.frames).text(),
+                                      FrameSet(source_.numbers()).text()));
+        frames_ = retimes(params, source_.numbers());
+        in_time_.emplace(set, *lattice_, seams_of(params.count, set).value_or(set.size()),
+                         time_fade_of(params, set.thick()));
+    }
+
+    void run(const Params& params, Ports& io, Context& context) const {
+        if (in_time_) {
+            const auto n = std::ranges::lower_bound(frames_, context.frame()) - frames_.begin();
+            io.volume = std::make_shared<Volume>(in_time_->frame(source_, static_cast<int>(n)));
+            return;
+        }
         const auto map = map_of(params, io, context);
         if (map.empty()) {
             io.volume = io.source;
@@ -115,6 +163,13 @@ struct RemapGrids : RemapNode {
     static void conclude(const Params&, const nlohmann::ordered_json& frames, Context& context) {
         tell_result(frames, context);
     }
+
+private:
+    // For seams of frames alone.
+    Sequence source_;
+    Ref<Lattice> lattice_;
+    std::vector<int> frames_;  ///< that the carve leaves
+    std::optional<TimeMap> in_time_;
 };
 
 }  // namespace
@@ -127,7 +182,13 @@ NodeType remap_grids() {
             .input("source", &RemapGrids::Ports::source, "The volume to carve, or one grid.")
             .input("lattice", &RemapGrids::Ports::lattice,
                    "The lattice in which the seams were found.")
-            .input("seams", &RemapGrids::Ports::seams, seams_doc)
+            .input("seams", &RemapGrids::Ports::seams,
+                   "Seams or a warp, or a list of them in the order of carving. Or one set of seams "
+                   "of frames (`axis: t` of its solver): then the sequence gets shorter or longer, "
+                   "and what follows this node has the new frames. Of the parameters, only "
+                   "`count`, `join` and `fade`, in frames, then matter. All but the places that "
+                   "just change from one frame to another are bit for bit those of a frame of the "
+                   "source; points go over one by one.")
             .param("count", &RemapGrids::Params::count, Unit::seams, any_number(), count_doc)
             .param("interpolation", &RemapGrids::Params::interpolation,
                    "How values are read between voxels, if the lattice's vertices are not voxels.")
@@ -157,8 +218,9 @@ NodeType remap_grids() {
                    fade_doc)
             .output("volume", &RemapGrids::Ports::volume,
                     "The carved source: same grids, transforms and metadata. The report tells what "
-                    "the carve did to each float grid.")
+                    "the carve did to each float grid, unless frames were carved.")
             .names_as("volume", "source")
+            .learns("seams", &RemapGrids::Params::in_time)
             .concludes(grids_by_frame)
             .version(3));
 }

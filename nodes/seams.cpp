@@ -5,6 +5,7 @@
 #include "carve/seam/carve_map.h"
 #include "carve/seam/seams.h"
 #include "carve/seam/similarity.h"
+#include "carve/time/time_map.h"
 #include "carve/volume/volume.h"
 #include "formats/file/output_file.h"
 #include "formats/geometry_file/ply.h"
@@ -12,6 +13,7 @@
 #include "formats/seam_file/curves.h"
 #include "formats/seam_file/seam_file.h"
 #include "graph/types/node_type.h"
+#include "nodes/params/carve_inputs.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <tbb/parallel_for.h>
@@ -19,6 +21,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace fluidcarve {
@@ -305,6 +308,10 @@ struct SeamsRead {
     static void run(const Params& params, Ports& io, Context&) {
         io.seams = std::make_shared<Seams>(read_seams(params.path.at(0)));
     }
+    /// What a file of seams of frames will do, if it is there.
+    static std::optional<FramesCarved> in_time(const Params& params) {
+        return params.path.exists() ? frames_carved_by(params.path.at(0)) : std::nullopt;
+    }
 };
 
 }  // namespace
@@ -313,6 +320,7 @@ NodeType seams_read() {
     return Declare<SeamsRead>("seams.read",
                               "Reads seams or a warp from a file that seams.write wrote.")
         .required("path", &SeamsRead::Params::path, "The file; one for all frames.")
+        .promises(&SeamsRead::in_time, only_remapped)
         .output("seams", &SeamsRead::Ports::seams,
                 "The seams, in the order in which they were found; or the warp.");
 }
@@ -322,6 +330,7 @@ namespace {
 struct SeamsWrite {
     struct Params {
         OutputPath path;
+        std::optional<FramesCarved> in_time;  ///< seams of frames are written as all others are
     };
     struct Ports {
         Ref<Seams> seams;
@@ -338,6 +347,7 @@ NodeType seams_write() {
                                "Writes seams or a warp to one .vdb file. Any smaller number of the "
                                "seams can be carved from it later.")
         .input("seams", &SeamsWrite::Ports::seams, "The seams, or a warp.")
+        .learns("seams", &SeamsWrite::Params::in_time)
         .required("path", &SeamsWrite::Params::path, "The file; one for all frames.");
 }
 

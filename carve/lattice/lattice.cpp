@@ -62,7 +62,7 @@ Lattice box_of(const Vec3d& first, const std::array<int, 3>& shape, double spaci
 
 }  // namespace
 
-std::string to_text(Axis axis) { return std::string(1, "uvw"[dimension(axis)]); }
+std::string to_text(Axis axis) { return std::string(1, "uvwt"[dimension(axis)]); }
 
 bool Lattice::is_box() const {
     if (planes.empty() || closed || around) return false;

@@ -12,16 +12,20 @@
 
 namespace fluidcarve {
 
-/// The dimension of a lattice that is carved. Along `w`, whole planes leave or are doubled.
-enum class Axis { u = 0, v = 1, w = 2 };
+/// The dimension of a lattice that is carved. Along `w`, whole planes leave or are doubled; along
+/// `t`, frames of the sequence, at each vertex another one.
+enum class Axis { u = 0, v = 1, w = 2, t = 3 };
 
-/// "u", "v" or "w".
+/// "u", "v", "w" or "t".
 std::string to_text(Axis axis);
-/// Place of a carved axis among a vertex's coordinates.
+/// The axis along which frames are sampled for seams along `axis`: columns `(j, k)` of u for seams
+/// of frames, which are turned later (turned.h).
+constexpr Axis sampled_axis(Axis axis) { return axis == Axis::t ? Axis::u : axis; }
+/// Place of a carved axis among a vertex's coordinates; not of `t`, which is none of them.
 constexpr std::size_t dimension(Axis axis) { return static_cast<std::size_t>(axis); }
 /// Places of the other two. Columns stand beside each other along the lateral one; slices of them
-/// follow each other along the last.
-constexpr std::size_t lateral_dimension(Axis axis) { return axis == Axis::u ? 1 : 0; }
+/// follow each other along the last. Those of `t` are those of u.
+constexpr std::size_t lateral_dimension(Axis axis) { return sampled_axis(axis) == Axis::u ? 1 : 0; }
 constexpr std::size_t slice_dimension(Axis axis) { return axis == Axis::w ? 1 : 2; }
 /// A vertex `(i, j, k)` by its entry along the carved axis and its column.
 template <class T>

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace fluidcarve {
@@ -53,6 +54,17 @@ Softness softness_of(const JoinParams& params, const Seams& seams) {
     // Joins are as smooth in time as in space.
     return {std::max(soft_of_thickness * thickness, fade / 2 + beside_fade),
             std::max(params.soft_time, 1.0), fade, std::max(2.0, across_of_thickness * thickness)};
+}
+
+int time_fade_of(const JoinParams& params, bool thick) {
+    if (params.join == Join::squeeze || params.soft || params.soft_time > 0)
+        throw Failure(
+            "frames can't be squeezed: state `join: fade` or `cut`, and leave `soft` and "
+            "`soft_time` out; to make a sequence faster or slower, use time.retime");
+    if (params.join == Join::cut) return 1;
+    // Neighbouring frames may mix for long, but of those far apart two would be seen at once.
+    constexpr double of_thin = 4, of_thick = 2;
+    return static_cast<int>(std::lround(params.fade.value_or(thick ? of_thick : of_thin)));
 }
 
 }  // namespace fluidcarve

@@ -35,4 +35,10 @@ struct JoinParams {
 /// @throws Failure if `soft` or `fade` is wider than the lattice has room for
 Softness softness_of(const JoinParams& params, const Seams& seams);
 
+/// In how many frames places go over from one frame to another, if seams are seams of frames: 1 for
+/// a cut, where they do so at once.
+/// @param thick  as of Seams
+/// @throws Failure if frames are to be squeezed
+int time_fade_of(const JoinParams& params, bool thick);
+
 }  // namespace fluidcarve

@@ -56,6 +56,11 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<con
     const auto used_of = [&](std::size_t n) {
         return count && n + 1 == sets.size() ? *count : sets[n]->size();
     };
+    for (const auto& set : sets)
+        if (set->in_time())
+            throw Failure(
+                "the seams are seams of frames (`axis: t`), which move no content within a frame; "
+                "remap.grids carves them, alone");
     std::array<int, 3> origin{};
     for (std::size_t n = 0; n < sets.size(); ++n) {
         const auto axis = dimension(sets[n]->axis);

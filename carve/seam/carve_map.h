@@ -32,8 +32,8 @@ public:
     /// @param frame     frame number
     /// @param count     number of seams used of the last set; nothing: all
     /// @param softness  of seams; a warp is smooth as it is
-    /// @throws Failure if a set belongs to another lattice or misses the frame, if shapes do not
-    ///   chain, or if count is too high
+    /// @throws Failure if a set is of frames, belongs to another lattice or misses the frame, if
+    ///   shapes do not chain, or if count is too high
     CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets,
              int frame, std::optional<std::size_t> count, const Softness& softness = {});
 

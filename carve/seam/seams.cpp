@@ -6,14 +6,14 @@ namespace fluidcarve {
 
 std::array<int, 3> Seams::shape_after(std::size_t count) const {
     auto out = shape;
-    if (paired() || count == 0) return out;
+    if (paired() || in_time() || count == 0) return out;
     if (warp) out[dimension(axis)] = warped().size();
     else out[dimension(axis)] += growth(kind, static_cast<int>(count));
     return out;
 }
 
 int Seams::shift_after(std::size_t count) const {
-    if (paired() || count == 0) return 0;
+    if (paired() || in_time() || count == 0) return 0;
     if (warp) return warped().first;
     const int n = static_cast<int>(count);
     switch (anchor.at) {
@@ -40,7 +40,7 @@ void Seams::find_shifts() {
     if (seams.empty()) return;
     // `[column]`: how far the anchor's content moves. Removals are indices in the space that those
     // before leave.
-    std::vector<int> moves(columns_per_frame() * frames.size(), 0);
+    std::vector<int> moves(columns(), 0);
     std::int64_t sum = 0;
     for (const auto& seam : seams) {
         for (std::size_t c = 0; c < moves.size(); ++c) {

@@ -17,14 +17,15 @@
 namespace fluidcarve {
 
 /// Seams through one lattice over a sequence, in the order in which they were found. A seam holds
-/// one entry per column, an index along the carved axis. A column is `(lateral, slice, t)`: `(j, k,
-/// t)` if u is carved, `(i, k, t)` for v, `(i, j, t)` for w. Or a warp in their place: then there
+/// one entry per column, an index along the carved axis. A column is `(lateral, slice, layer)`: `(j,
+/// k, t)` if u is carved, `(i, k, t)` for v, `(i, j, t)` for w. Seams of frames have the columns
+/// `(j, k, i)`, and their entries are indices into `frames`. Or a warp in their place: then there
 /// are no seams, and the warp is carved as a whole.
 struct Seams {
     enum class Kind { remove, insert };
     struct Seam {
-        /// Entries `[column]`, lateral fastest, then slice, then t; columns_per_frame() * frames of
-        /// them. `remove`: index in the space that this seam is carved from. `insert`: original
+        /// Entries `[column]`, lateral fastest, then slice, then layer; columns() of them. `remove`:
+        /// index in the space that this seam is carved from. `insert`: original
         /// index of the entry that is doubled.
         SeamEntries at;
         double energy = 0;  ///< sum over all columns, in the units of the energy
@@ -61,7 +62,11 @@ struct Seams {
 
     /// Number of seams; 1 for a warp.
     std::size_t size() const { return warp ? 1 : seams.size(); }
-    int carved() const { return shape[dimension(axis)]; }  ///< vertices along the carved axis
+    bool in_time() const { return axis == Axis::t; }  ///< whether they are seams of frames
+    /// Vertices along the carved axis; of seams of frames, the number of these.
+    int carved() const {
+        return in_time() ? static_cast<int>(frames.size()) : shape[dimension(axis)];
+    }
     int lateral() const { return shape[lateral_dimension(axis)]; }
     int slices() const { return shape[slice_dimension(axis)]; }
     bool slices_close() const {
@@ -69,19 +74,25 @@ struct Seams {
     }  ///< whether the last slice is followed by the first
     /// The vertices that seams may take if no window is stated. Around a rig they leave out the rig
     /// itself, where all columns meet.
-    Window whole_window() const { return {around ? 1 : 0, carved() - 1}; }
+    Window whole_window() const { return {around && !in_time() ? 1 : 0, carved() - 1}; }
     std::array<int, 3> warp_vertices() const { return {carved(), lateral(), slices()}; }
     Warp::Rings warp_rings() const { return {around, slices_close()}; }
     std::size_t columns_per_frame() const {
         return static_cast<std::size_t>(lateral()) * static_cast<std::size_t>(slices());
     }
+    /// How often columns_per_frame() stand in a seam: once for each frame; of seams of frames, for
+    /// each vertex along u.
+    std::size_t layers() const {
+        return in_time() ? static_cast<std::size_t>(shape[0]) : frames.size();
+    }
+    std::size_t columns() const { return columns_per_frame() * layers(); }  ///< of a seam
     bool paired() const { return !pairs.empty(); }
     bool thick() const { return thickness > 1; }
     /// The lattice hash of a frame.
     /// @param t  index of the frame in `frames`
     std::string lattice_hash_at(std::size_t t) const;
-    /// The shape I, J, K that the first `count` seams leave. Pairs do not change it. A warp leaves
-    /// as many whole vertices as hold all of its content, in all columns and frames.
+    /// The shape I, J, K that the first `count` seams leave. Pairs and seams of frames do not
+    /// change it. A warp leaves as many whole vertices as hold all of its content, in all columns and frames.
     std::array<int, 3> shape_after(std::size_t count) const;
     /// How far the beginning of the space moves when the first `count` seams are carved, so that
     /// the anchor stays in place; vertices along the axis. 0 to `count` for removals, -`count` to 0

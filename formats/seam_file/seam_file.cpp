@@ -11,6 +11,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -28,13 +29,18 @@ std::string seam_name(std::size_t n) { return fmt::format("seam.{:04}", n); }
 std::string pair_name(std::size_t n) { return seam_name(n) + ".pair"; }
 std::string place(const Coord& at) { return fmt::format("({}, {}, {})", at.x(), at.y(), at.z()); }
 
+/// Where the entry of a column stands in a grid.
+Coord place_of(const Seams& seams, int lateral, int slice, int layer) {
+    return seams.in_time() ? Coord(layer, lateral, slice) : Coord(lateral, slice, layer);
+}
+
 template <class Visit>
 void each_column(const Seams& seams, Visit&& visit) {
     std::size_t column = 0;
-    for (int t = 0; t < static_cast<int>(seams.frames.size()); ++t)
-        for (int k = 0; k < seams.slices(); ++k)
+    for (int layer = 0; layer < static_cast<int>(seams.layers()); ++layer)
+        for (int slice = 0; slice < seams.slices(); ++slice)
             for (int lateral = 0; lateral < seams.lateral(); ++lateral)
-                visit(Coord(lateral, k, t), column++);
+                visit(place_of(seams, lateral, slice, layer), column++);
 }
 
 openvdb::GridBase::Ptr to_grid(const Seams& seams, const Seams::Seam& seam, const std::string& name,
@@ -121,19 +127,16 @@ Seams::Kind kind_of(const SeamGrids& grids) {
     return kind;
 }
 
-std::size_t columns_of(const Seams& seams) {
-    return seams.columns_per_frame() * seams.frames.size();
-}
-
 /// Requires that each grid holds all columns and nothing else, and that entries take little more
 /// memory than the grids: a file may hold very many columns in a few tiles, and one tree for very
 /// many seams.
 void require_columns(const SeamGrids& grids, const Seams& seams) {
     constexpr std::uint64_t most_per_byte = 8, always_allowed = std::uint64_t{64} << 20;  // bytes
     const auto all = grids.all();
-    const auto columns = columns_of(seams);
-    const openvdb::CoordBBox wanted(Coord(0), Coord(seams.lateral() - 1, seams.slices() - 1,
-                                                    static_cast<int>(seams.frames.size()) - 1));
+    const auto columns = seams.columns();
+    const openvdb::CoordBBox wanted(Coord(0),
+                                    place_of(seams, seams.lateral() - 1, seams.slices() - 1,
+                                             static_cast<int>(seams.layers()) - 1));
     std::set<const FloatGrid::TreeType*> trees;
     std::uint64_t held = 0;
     for (const auto& grid : all) {
@@ -189,7 +192,7 @@ private:
     };
 
     Tree read_tree(const FloatGrid& grid, int highest) const {
-        std::vector<std::uint16_t> entries(columns_of(seams_));
+        std::vector<std::uint16_t> entries(seams_.columns());
         const int lowest = seams_.whole_window().first;
         float most = 0;
         for (auto value = grid.cbeginValueOn(); value; ++value) {
@@ -200,16 +203,22 @@ private:
                     "grid '{}' has {} at {}, but must have a whole number from {} to {}",
                     grid.getName(), *value, place(box.min()), lowest, highest));
             most = std::max(most, *value);
-            for (int t = box.min().z(); t <= box.max().z(); ++t)
-                for (int k = box.min().y(); k <= box.max().y(); ++k)
-                    std::fill_n(entries.begin() + column(box.min().x(), k, t), box.dim().x(),
-                                static_cast<std::uint16_t>(*value));
+            for (auto at = box.begin(); at; ++at)
+                entries[column(*at)] = static_cast<std::uint16_t>(*value);
         }
         return {std::move(entries), static_cast<int>(most)};
     }
 
-    std::ptrdiff_t column(int lateral, int k, int t) const {
-        return (std::ptrdiff_t{t} * seams_.slices() + k) * seams_.lateral() + lateral;
+    /// The column whose entry stands at a place of a grid.
+    std::size_t column(const Coord& at) const {
+        const auto [lateral, slice, layer] = seams_.in_time()
+                                                 ? std::array{at.y(), at.z(), at.x()}
+                                                 : std::array{at.x(), at.y(), at.z()};
+        const auto row = static_cast<std::size_t>(layer) *
+                             static_cast<std::size_t>(seams_.slices()) +
+                         static_cast<std::size_t>(slice);
+        return row * static_cast<std::size_t>(seams_.lateral()) +
+               static_cast<std::size_t>(lateral);
     }
 
     const Seams& seams_;
@@ -345,6 +354,20 @@ void write_seams(const std::string& path, const Seams& seams, const Provenance& 
     auto volume = seams_to_volume(seams);
     set_provenance(volume.metadata, provenance);
     write_vdb(path, volume);
+}
+
+std::optional<FramesCarved> frames_carved_by(const std::string& path) try {
+    const auto header = read_vdb_header(path);
+    if (seam_text(header.metadata, "fluidcarve_axis", path) != to_text(Axis::t))
+        return std::nullopt;
+    const auto count = static_cast<int>(header.grids.size());
+    if (count == 0) return FramesCarved{};
+    const auto& first = header.grids[header.place(seam_name(0))].metadata;
+    const bool paired = header.find(pair_name(0)).has_value();
+    const bool inserts = seam_text(first, "kind", path) == to_text(Seams::Kind::insert);
+    return FramesCarved{{static_cast<double>(inserts ? count : -count)}, paired};
+} catch (const Failure&) {
+    return std::nullopt;  // whoever reads the file says what is wrong with it
 }
 
 Seams read_seams(const std::string& path) {

@@ -1,16 +1,18 @@
 #pragma once
 
 #include "carve/seam/seams.h"
+#include "carve/time/time_map.h"
 #include "carve/volume/volume.h"
 #include "formats/file/provenance.h"
 
+#include <optional>
 #include <string>
 
 namespace fluidcarve {
 
 /// Converts seams to the volume that a seam file holds. Each seam, in order, is a FloatGrid
-/// `seam.0000`, and so on: its value at `(lateral, k, t)` is the seam's entry, and all columns are
-/// active. Grid metadata: `kind` and `energy`. Pairs have a second grid each, `seam.0000.pair`. A
+/// `seam.0000`, and so on: its value at `(lateral, slice, t)`, of seams of frames at `(i, j, k)`, is
+/// the seam's entry, and all columns are active. Grid metadata: `kind` and `energy`. Pairs have a second grid each, `seam.0000.pair`. A
 /// warp has the grids of grids_of_warp() instead. Volume metadata: seam_texts() and, as
 /// `fluidcarve_checksum`, seam_checksum().
 Volume seams_to_volume(const Seams& seams);
@@ -25,6 +27,9 @@ Seams seams_from_volume(const Volume& volume);
 /// Writes a seam file, whole or not at all.
 /// @throws Failure if it can't be written
 void write_seams(const std::string& path, const Seams& seams, const Provenance& provenance = {});
+/// What the seams of a file do to the frames of a sequence, by its header; nothing if they are none
+/// of frames, or if the file can't be read.
+std::optional<FramesCarved> frames_carved_by(const std::string& path);
 /// Reads a seam file.
 /// @throws Failure (input) naming the file
 Seams read_seams(const std::string& path);

@@ -168,10 +168,12 @@ std::optional<int> warp_factor(const openvdb::MetaMap& metadata) {
 Seams seams_of_texts(const openvdb::MetaMap& metadata) {
     Seams out;
     const auto axis = of_file(metadata, "fluidcarve_axis");
-    if (axis != "u" && axis != "v" && axis != "w")
+    const auto known = {Axis::u, Axis::v, Axis::w, Axis::t};
+    const auto* const found = std::ranges::find(known, axis, [](Axis of) { return to_text(of); });
+    if (found == known.end())
         throw wrong_seams(
-            fmt::format("'fluidcarve_axis' must be u, v or w, not '{}'", cut_short(axis)));
-    out.axis = static_cast<Axis>(axis.front() - 'u');
+            fmt::format("'fluidcarve_axis' must be u, v, w or t, not '{}'", cut_short(axis)));
+    out.axis = *found;
     const auto shape = read_shape(of_file(metadata, "fluidcarve_shape"));
     out.shape = {shape[0], shape[1], shape[2]};
     out.frames = read_frames(of_file(metadata, "fluidcarve_frames"), shape[3]);
@@ -184,10 +186,12 @@ Seams seams_of_texts(const openvdb::MetaMap& metadata) {
     out.pair_below = read_window(metadata, "fluidcarve_pair_below", out.whole_window());
     out.anchor = read_anchor(metadata, out.carved());
     out.thickness = read_thickness(metadata, out.carved());
-    if (out.around && (out.axis != Axis::u || out.anchor != Anchor{}))
+    if (out.around && ((out.axis != Axis::u && !out.in_time()) || out.anchor != Anchor{}))
         throw wrong_seams(
             "'fluidcarve_around' is true, but seams around a rig are carved along u, and the rig "
             "stays in place");
+    if (out.in_time() && (out.anchor != Anchor{} || warp_factor(metadata)))
+        throw wrong_seams("'fluidcarve_axis' is t, but there are no warps and anchors in time");
     return out;
 }
 

@@ -11,6 +11,7 @@
 #include "graph/types/payload.h"
 #include "graph/types/survey.h"
 
+#include <any>
 #include <concepts>
 #include <functional>
 #include <map>
@@ -44,6 +45,13 @@ struct OptionalNamed : Named<T> {  ///< empty if unconnected
 /// Outputs named by a parameter (Declare::outputs_from): name to payload.
 using NamedOutputs = std::map<std::string, Payload>;
 
+/// What is known of outputs from parameters alone, and must be known to those who take them before
+/// their frames are counted.
+struct Promise {
+    std::any of;
+    std::string fault;  ///< why an input that does not learn of it can't take the output
+};
+
 /// An input of a node type.
 struct InputSpec {
     enum class Arity { one, list, named };
@@ -60,6 +68,10 @@ struct InputSpec {
     /// A gatherer takes from all frames together what it needs of it: that it differs from frame to
     /// frame does not make outputs differ.
     bool summed = false;
+    /// Gives the parameters with what an output promises that is taken here; empty: takes none that
+    /// promises anything.
+    std::function<std::shared_ptr<const void>(const void* params, const std::any& promised)> learn =
+        {};
 };
 
 /// An output of a node type.
@@ -139,6 +151,8 @@ struct NodeType {
     std::function<bool(const void* params)> animates;
     /// The frames in which a gatherer delivers, by those that it takes; empty: the same.
     std::function<std::vector<int>(const void* params, const std::vector<int>& frames)> retimes;
+    /// Empty: outputs promise nothing.
+    std::function<std::optional<Promise>(const void* params)> promise;
     std::function<void(const void* params, NodeCheck&)> check;
     /// Empty: reads no files, and needs no grid of a name.
     std::function<void(const void* params, Survey&)> survey;

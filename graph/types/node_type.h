@@ -208,6 +208,32 @@ public:
             input.summed = input.summed || std::ranges::find(inputs, input.name) != inputs.end();
         return *this;
     }
+    /// Declares what outputs promise from the parameters alone.
+    /// @param promised  of a Params; nothing: they promise nothing
+    /// @param fault     why inputs without learns() can't take them
+    template <class Promised>
+    Declare& promises(Promised promised, std::string fault) {
+        type_.promise = [promised, fault = std::move(fault)](
+                            const void* params) -> std::optional<Promise> {
+            auto of = promised(*static_cast<const Params*>(params));
+            if (!of) return std::nullopt;
+            return Promise{*std::move(of), fault};
+        };
+        return *this;
+    }
+    /// Declares that an input takes outputs that promise something.
+    /// @param member  of Params, where it is written; no parameter of a pipeline
+    template <class T, class P>
+    requires std::derived_from<Params, P> Declare& learns(std::string_view input,
+                                                          std::optional<T> P::*member) {
+        std::ranges::find(type_.inputs, input, &InputSpec::name)->learn =
+            [member](const void* params, const std::any& promised) {
+                const auto out = std::make_shared<Params>(*static_cast<const Params*>(params));
+                (*out).*member = std::any_cast<T>(promised);
+                return std::shared_ptr<const void>(out);
+            };
+        return *this;
+    }
     /// Declares that the node has a `conclude`.
     /// @param section  of the report, where `run` has an entry for each frame
     Declare& concludes(std::string section) {

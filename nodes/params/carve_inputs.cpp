@@ -13,7 +13,8 @@ const char* const part_of_warp =
     "`count` is a number of seams, but what is carved last is a warp: it has none, and is carved "
     "as a whole; leave `count` out, or set the warp's `amount`";
 
-namespace {
+const char* const only_remapped =
+    "these are seams of frames (`axis: t`), which only remap.grids carves and seams.write writes";
 
 std::optional<std::size_t> seams_of(const Auto<Count>& asked, const Seams& last) {
     if (!asked) return std::nullopt;
@@ -26,6 +27,8 @@ std::optional<std::size_t> seams_of(const Auto<Count>& asked, const Seams& last)
         throw Failure(fmt::format("count {} removes, but the seams insert", count));
     return static_cast<std::size_t>(std::abs(count));
 }
+
+namespace {
 
 /// Whether seams, or a warp, are the same in all frames.
 bool is_still(const Seams& seams) {

@@ -5,10 +5,22 @@
 #include "graph/types/context.h"
 #include "graph/types/param.h"
 
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
 namespace fluidcarve {
 
 /// Why a part of a warp can't be carved.
 extern const char* const part_of_warp;
+
+/// Why inputs can't take seams of frames.
+extern const char* const only_remapped;
+
+/// The number of seams that a parameter `count` asks for of the last set; nothing: all.
+/// @throws Failure if it removes and the seams insert, or asks for a part of a warp
+std::optional<std::size_t> seams_of(const Auto<Count>& asked, const Seams& last);
 
 /// The carve map of a node with inputs `lattice` and `seams` and parameter `count`, in the
 /// context's frame.

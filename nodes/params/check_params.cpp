@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <tuple>
 #include <utility>
 
 namespace fluidcarve {
@@ -27,8 +28,34 @@ void check_anchor(const Anchor& anchor, NodeCheck& check) {
                                 anchor.vertex));
 }
 
+namespace {
+
+/// What makes no sense for seams of frames.
+void check_in_time(const SolverParams& params, NodeCheck& check) {
+    for (const auto& [stated, name, why] :
+         {std::tuple(params.static_, "static", "each place loses or gains other frames"),
+          std::tuple(params.pair_static, "pair_static", "each place loses or gains other frames"),
+          std::tuple(check.stated("anchor"), "anchor", "the first frame keeps its number"),
+          std::tuple(check.stated("rigidity_time"), "rigidity_time",
+                     "steps are from place to place, and cost `rigidity`"),
+          std::tuple(params.finest == 2, "finest", "seams are found at full size"),
+          std::tuple(params.best_effort, "best_effort",
+                     "the number of frames must be known before the run")})
+        if (stated)
+            check.fault(name, fmt::format("parameter '{}' is not for `axis: t`, where {}: leave it "
+                                          "out",
+                                          name, why));
+    if (check.connections("after") > 0)
+        check.fault("after",
+                    "input 'after' is not for `axis: t`: seams of frames are found in the sequence "
+                    "as it is; carve frames by one remap.grids, and what it gives in space");
+}
+
+}  // namespace
+
 void check_params(const SolverParams& params, NodeCheck& check) {
     check_anchor(params.anchor, check);
+    if (params.axis == Axis::t) check_in_time(params, check);
     if (params.pair_window && check.stated("anchor"))
         check.fault("anchor", "pairs of seams move neither end of the lattice: leave 'anchor' out");
     if (params.pair_window && !params.window)

@@ -113,6 +113,10 @@ void check_params(const WarpParams& params, NodeCheck& check) {
         check.fault("static",
                     "a static warp is the same in all frames, but 'amount' changes over time; "
                     "leave one of the two out");
+    if (params.axis == Axis::t)
+        check.fault("axis",
+                    "a warp is in space; to make a sequence faster or slower as a whole, use "
+                    "time.retime");
     if (params.axis == Axis::w && params.amount &&
         params.amount->varies_along(WarpAmount::Along::w))
         check.fault("amount",

@@ -86,8 +86,8 @@ std::vector<Seams::Seam> read_list(BinaryReader& in, std::uint64_t columns) {
 
 std::uint64_t bytes_of_seams(const Seams& seams) {
     const auto warp = seams.warp ? seams.warp->frames() * seams.warp->values(0).size_bytes() : 0;
-    return warp + (seams.seams.size() + seams.pairs.size()) * seams.columns_per_frame() *
-                      seams.frames.size() * sizeof(std::uint16_t);
+    return warp + (seams.seams.size() + seams.pairs.size()) * seams.columns() *
+                      sizeof(std::uint16_t);
 }
 
 void write_all(const Seams& seams, std::ostream& to) {
@@ -115,13 +115,14 @@ void write_all(const Seams& seams, std::ostream& to) {
 Ref<Seams> read_all(std::istream& from) {
     BinaryReader in(from);
     const auto out = std::make_shared<Seams>();
-    out->axis = in.value_up_to(Axis::w);
+    out->axis = in.value_up_to(Axis::t);
     out->kind = in.value_up_to(Seams::Kind::insert);
     out->closed = in.value<bool>();
     out->around = in.value<bool>();
     out->shape = in.value<std::array<int, 3>>();
     out->frames = in.list<int>();
-    std::uint64_t columns = out->frames.size();
+    std::uint64_t columns = out->layers();
+    in.require(out->shape[0] >= 1);
     for (const auto n : {lateral_dimension(out->axis), slice_dimension(out->axis)})
         in.require(
             out->shape[n] >= 1 &&
@@ -137,7 +138,10 @@ Ref<Seams> read_all(std::istream& from) {
     in.require(out->thickness >= 1 && out->thickness <= out->carved());
     out->seams = read_list(in, columns);
     out->pairs = read_list(in, columns);
-    if (in.value<bool>()) out->warp = read_warp(in, *out);
+    if (in.value<bool>()) {
+        in.require(!out->in_time());
+        out->warp = read_warp(in, *out);
+    }
     out->find_shifts();
     return out;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graph/types/node_type.h"
+#include "nodes/params/carve_inputs.h"
 #include "nodes/params/param_forms.h"
 #include "nodes/solving/seam_node.h"
 
@@ -38,14 +39,18 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param(
             "axis", &Params::axis,
             "The dimension of the lattice that shrinks or grows: u or v, across the rig; w, along "
-            "it: planes leave or are doubled, and what lies behind them moves along the rig.")
+            "it: planes leave or are doubled, and what lies behind them moves along the rig; t, "
+            "time: frames leave or are shown twice, at each vertex where that is seen least. "
+            "remap.grids then makes the sequence shorter or longer. The lattice must stand still, "
+            "and `count` and windows are frames: 0 is the first of the sequence.")
         .required("count", &Params::count, Unit::seams, any_number(),
                   "Number of seams: negative removes, positive inserts. N% is a share of the "
                   "vertices along the axis, rounded: -20% of 1920 removes 384.")
         .param("window", &Params::window, Unit::vertices, any_number(),
                "First and last vertex along the axis that seams may take, or shares, [0%, 50%], "
                "which hold for any spacing; auto is all vertices, but for vertex 0 of a lattice "
-               "around its rig, where all columns meet.")
+               "around its rig, where all columns meet, and, with a `field`, for the first and the "
+               "last frame, which only crop the shot when they leave.")
         .param("pair_window", &Params::pair_window, Unit::vertices, any_number(),
                "A second window, above the first. Each seam then comes with one of the opposite "
                "kind in this window: only the content between the two moves, and the size stays. "
@@ -96,7 +101,7 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param("rigidity", &Params::rigidity, Unit::none, at_least(0),
                "Cost of each step of a seam from a column to its neighbour in space, in mean "
                "energies of the content. More keeps seams straighter. Reported energies include "
-               "it. auto is 0.2 with a `field`, 0 without.")
+               "it. auto is 0.2 with a `field`, 1 for thin seams of frames, 0 without.")
         .param("rigidity_time", &Params::rigidity_time, Unit::none, at_least(0),
                "The same from frame to frame. More keeps seams steadier.")
         .param(
@@ -121,8 +126,12 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
                "of the time. Each seam that is found stands for two, side by side; its energy and "
                "bound are those at half size, by column. Passages between protected vertices count "
                "from seven vertices on. 1: at full size. auto is 2 for lattices of more than 12 "
-               "million vertices in a frame, and says so; else 1. Images are solved at full size.")
+               "million vertices in a frame, and says so; else 1. Images, and seams of frames, are "
+               "solved at full size.")
         .output("seams", &Ports::seams, "The seams, in the order in which they were found.")
+        .promises(
+            [params_of](const auto& params) { return SeamNode::in_time(params_of(&params)); },
+            only_remapped)
         .digests({"energy", "lattice", "field", "protect", "attract", "axis", "measure", "finest"})
         .grows({"count",
                 [params_of](const void* params) { return SeamNode::rest(params_of(params)); },

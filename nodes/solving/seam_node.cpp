@@ -30,6 +30,8 @@ void SeamNode::foresee(const Params& params, Outlook& ahead) {
     if (params.count.value == 0) return;
     warn_of_placement(ahead);
     const auto form = form_told(ahead);
+    // How many frames there are, the first of them tells.
+    if (params.axis == Axis::t) return;
     if (form.shape[dimension(params.axis)] == 0 || !ahead.told("after").empty()) return;
     try {
         task_of(params, form, false);
@@ -38,20 +40,27 @@ void SeamNode::foresee(const Params& params, Outlook& ahead) {
     }
 }
 
+std::optional<FramesCarved> SeamNode::in_time(const Params& params) {
+    if (params.axis != Axis::t) return std::nullopt;
+    return FramesCarved{params.count, params.pair_window.has_value()};
+}
+
 std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports& io,
                                               Context& context) {
     // The first frame tells, before all others are read. What is left after other seams is known
     // only later.
     if (context.place() == 0) {
-        if (io.after.empty()) task_of(params, io.lattice->form(), false);
-        else require_ends(params, io.lattice->form());
+        auto form = io.lattice->form();
+        form.frames = static_cast<int>(context.frames().size());
+        if (io.after.empty()) task_of(params, form, false);
+        else require_ends(params, form);
     }
     const auto mask = [](const Ref<AnyGrid>& port) { return port ? port->grid.get() : nullptr; };
     const FrameGrids grids{*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
     const int finest = finest_for(params, *io.lattice);
     require_frame_fits(grids, *io.lattice, context.memory_budget(), finest);
     return std::make_shared<FrameEnergy>(
-        sample_frame(grids, io.lattice, params.axis, params.measure, finest));
+        sample_frame(grids, io.lattice, sampled_axis(params.axis), params.measure, finest));
 }
 
 void SeamNode::resume(const Payload& result, const nlohmann::ordered_json& entry) {
@@ -80,9 +89,15 @@ std::vector<std::string> SeamNode::warnings(const nlohmann::ordered_json& entry)
 
 bool SeamNode::exhausted(const nlohmann::ordered_json& entry) { return falls_short(entry); }
 
-void SeamNode::solve(const Params& params, Ports& io, Context& context, const FindSeam& find,
+void SeamNode::solve(const Params& stated, Ports& io, Context& context, const FindSeam& find,
                      const StartFrom& start_from) {
     const CarvedSpace space(gathered_.lattices(), io.after, context.frames());
+    auto params = stated;
+    // A first or last frame that leaves makes no edge, but crops the shot.
+    const double last = static_cast<double>(context.frames().size()) - 1;
+    if (params.axis == Axis::t && params.count.value < 0 && gathered_.has_field() &&
+        !params.window && last > 1)
+        params.window = VertexRange{1, last - 1};
     const int finest = gathered_.finest();
     const auto task = task_of(params, space, finest);
     auto empty = empty_seams(params, task, space);

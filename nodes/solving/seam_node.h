@@ -3,6 +3,7 @@
 #include "carve/solver/search/find_seams.h"
 #include "carve/solver/task/gathered_energy.h"
 #include "carve/solver/task/params.h"
+#include "carve/time/time_map.h"
 #include "carve/volume/volume.h"
 #include "graph/types/node_type.h"
 #include "nodes/params/check_params.h"
@@ -13,6 +14,7 @@
 #include <chrono>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,6 +51,8 @@ public:
     /// Tells of an energy without content, and of a lattice beside it, as far as the headers of
     /// files say so.
     static void foresee(const Params& params, Outlook& ahead);
+    /// What seams of frames will do to their sequence; nothing of other seams.
+    static std::optional<FramesCarved> in_time(const Params& params);
     /// One frame's energy at the lattice's vertices, with its field and masks.
     static std::shared_ptr<FrameEnergy> digest(const Params& params, const Ports& io,
                                                Context& context);

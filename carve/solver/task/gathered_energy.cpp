@@ -5,6 +5,7 @@
 #include "carve/solver/costs/carve.h"
 #include "carve/solver/costs/eddies.h"
 #include "carve/solver/costs/half.h"
+#include "carve/solver/costs/turned.h"
 #include "carve/vectors/wide.h"
 
 #include <fmt/format.h>
@@ -21,6 +22,7 @@ namespace {
 
 constexpr float default_rigidity =
     0.2f;  ///< with a field; in mean energies of content, of thick seams in mean prices
+constexpr float rigidity_of_frames = 1;  ///< of thin seams of frames
 constexpr double least_across =
     1.2;  ///< eddies side by side, from which on seams are thick by default
 constexpr float thin_empty = 0.9f;  ///< default of `empty`
@@ -28,11 +30,19 @@ constexpr double small_share =
     0.05;  ///< of the content: if less of it lies in the lattice, that is hardly meant
 constexpr double least_share = 1e-4;  ///< below it, no number is given
 
+/// The prices of steps, in mean energies. Seams of frames have steps in space alone.
+std::array<float, 2> steps_of(const SolverParams& params, float fallback) {
+    const float in_space = params.rigidity.value_or(fallback);
+    return {in_space,
+            params.axis == Axis::t ? in_space : params.rigidity_time.value_or(fallback)};
+}
+
 Prices prices_of(const SolverParams& params, bool forward) {
-    const float rigid = forward ? default_rigidity : 0.0f;
-    return {params.field_weight,
-            params.empty.value_or(thin_empty),
-            {params.rigidity.value_or(rigid), params.rigidity_time.value_or(rigid)}};
+    // Neighbouring places had better change at the same moment.
+    const float rigid = !forward                   ? 0.0f
+                        : params.axis == Axis::t ? rigidity_of_frames
+                                                   : default_rigidity;
+    return {params.field_weight, params.empty.value_or(thin_empty), steps_of(params, rigid)};
 }
 
 /// Joins what a mask missed in the frames before with another frame. If the mask is not empty
@@ -144,7 +154,7 @@ std::vector<std::string> GatheredEnergy::warnings() const {
 EnergyVolume GatheredEnergy::room(const std::array<int, 3>& shape, std::size_t frames,
                                   const SolverParams& params, const Limits& limits,
                                   std::uint64_t budget) const {
-    EnergyVolume out(gathered_shape(shape, finest_), params.axis,
+    EnergyVolume out(gathered_shape(shape, finest_), sampled_axis(params.axis),
                      finest_ == 2 ? halved(frames) : frames, budget, limits.folder,
                      lattices_.front()->closed && params.axis != Axis::w,
                      lattices_.front()->around);
@@ -196,7 +206,11 @@ GatheredEnergy::Taken GatheredEnergy::take_unpriced(const SolverParams& params,
                                                     const Limits& limits) {
     auto out = space.carved() ? carved(params, space, limits) : whole();
     energy_.reset();
-    return out;
+    if (params.axis != Axis::t) return out;
+    const auto held = out.energy.bytes(), all = budget(limits);
+    auto in_time = turned(out.energy, held > all ? 0 : all - held, limits.folder);
+    const auto typical = Typical::of(in_time);
+    return {std::move(in_time), typical};
 }
 
 std::optional<Thick> GatheredEnergy::thick_for(const SolverParams& params,
@@ -218,9 +232,7 @@ std::optional<Thick> GatheredEnergy::thick_for(const SolverParams& params,
         thickness = std::min(eddies.width, energy.width() / 4);
     }
     if (thickness * finest_ <= 1) return std::nullopt;
-    const float rigid = params.rigidity.value_or(default_rigidity),
-                in_time = params.rigidity_time.value_or(default_rigidity);
-    return Thick{thickness, {params.field_weight, params.empty, {rigid, in_time}}};
+    return Thick{thickness, {params.field_weight, params.empty, steps_of(params, default_rigidity)}};
 }
 
 GatheredEnergy::Searched GatheredEnergy::take(const SolverParams& params, const CarvedSpace& space,

@@ -32,7 +32,9 @@ std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamTa
     const int laterals = task.shape[lateral_dimension(task.axis)];
     const auto per_frame = static_cast<std::size_t>(laterals) *
                            static_cast<std::size_t>(task.shape[slice_dimension(task.axis)]);
-    const auto t = none.at.column / per_frame;
+    const auto layer = none.at.column / per_frame;
+    const bool in_time = task.axis == Axis::t;
+    const auto t = in_time ? 0 : layer;
     const int c = static_cast<int>(none.at.column % per_frame), lateral = c % laterals,
               k = c / laterals;
     const auto& window = part.window;
@@ -46,13 +48,22 @@ std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamTa
     };
     const int last = window.first + none.found + none.at.vertices - 1;
     const auto span = fmt::format("{} to {}", window.first, last);
-    const auto column = fmt::format(
-        "column ({}), from {} to {},",
-        fmt::join(vertex_of(task.axis, span, std::to_string(lateral), std::to_string(k)), ", "),
-        world(window.first), world(last));
+    const auto column = [&] {
+        if (!in_time)
+            return fmt::format(
+                "column ({}), from {} to {},",
+                fmt::join(vertex_of(task.axis, span, std::to_string(lateral), std::to_string(k)),
+                          ", "),
+                world(window.first), world(last));
+        const auto at = lattice.position(openvdb::Vec3d(static_cast<double>(layer), lateral, k));
+        return fmt::format("vertex ({}, {}, {}), at ({:g}, {:g}, {:g}),", layer, lateral, k, at.x(),
+                           at.y(), at.z());
+    }();
+    const auto where = in_time        ? std::string("of its frames,")
+                       : part.static_ ? "over all frames"
+                                      : fmt::format("in frame {}", space.frames()[t]);
     return fmt::format(
-        "{}window [{}, {}]: {} {}", part.prefix(), window.first, window.last,
-        part.static_ ? "over all frames" : fmt::format("in frame {}", space.frames()[t]),
+        "{}window [{}, {}]: {} {}", part.prefix(), window.first, window.last, where,
         none.at.free == 0 ? fmt::format("{} has no unprotected vertex left", column)
                           : fmt::format("of the {} vertices left in {} {} {} unprotected, but out "
                                         "of reach from the columns beside",

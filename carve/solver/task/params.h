@@ -16,7 +16,7 @@ namespace fluidcarve {
 template <>
 struct ChoiceNames<Axis> {
     static constexpr std::array names = {std::pair{"u", Axis::u}, std::pair{"v", Axis::v},
-                                         std::pair{"w", Axis::w}};
+                                         std::pair{"w", Axis::w}, std::pair{"t", Axis::t}};
 };
 
 template <>

@@ -19,7 +19,8 @@ std::array<int, 3> CarvedSpace::shape() const {
 }
 
 LatticeForm CarvedSpace::form() const {
-    return {shape(), lattices_.front()->closed, lattices_.front()->around};
+    return {shape(), lattices_.front()->closed, lattices_.front()->around,
+            static_cast<int>(frames_.size())};
 }
 
 CarveMap CarvedSpace::carve_map(std::size_t t) const {
@@ -27,7 +28,7 @@ CarveMap CarvedSpace::carve_map(std::size_t t) const {
 }
 
 std::string CarvedSpace::extension_fault(const Seams& found) const {
-    if (found.paired()) return {};
+    if (found.paired() || found.in_time()) return {};
     const auto axis = dimension(found.axis);
     int first = found.shift_after(found.size());
     for (const auto& set : after_)

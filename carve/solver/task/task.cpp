@@ -21,9 +21,13 @@ std::string name_of(bool carved) { return carved ? " once the seams of `after` a
 
 /// How many vertices the axis has, and which: the end of a message.
 std::string vertices_along(Axis axis, int size, bool carved) {
+    if (axis == Axis::t) return fmt::format("{} frames: 0 to {}", size, size - 1);
     return fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(axis), name_of(carved),
                        size - 1);
 }
+
+/// What an axis goes through, for messages.
+const char* whole_of(Axis axis) { return axis == Axis::t ? "sequence" : "lattice"; }
 
 /// The window that a parameter states.
 /// @param first  the lowest vertex that may be carved
@@ -38,7 +42,7 @@ Window window_of(const std::string& name, const Auto<VertexRange>& stated, Axis 
                         "nothing can be taken or added; begin at 1",
                         name, text));
     if (out.last > size - 1)
-        throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name, text,
+        throw Failure(fmt::format("{} {} leaves the {}, which has {}", name, text, whole_of(axis),
                                   vertices_along(axis, size, carved)));
     return out;
 }
@@ -51,12 +55,17 @@ void require_vertex_left(const SolverParams& params, int size, bool carved) {
     const bool all = window.first == 0 && window.last == size - 1;
     if (params.best_effort || removed < size || !all) return;
     const auto count = text_of(params.count);
-    const auto axis = to_text(params.axis) + name_of(carved);
+    const auto what = [&](bool one) {
+        return params.axis == Axis::t
+                   ? std::string(one ? "frame" : "frames")
+                   : fmt::format("{} along {}{}", one ? "vertex" : "vertices", to_text(params.axis),
+                                 name_of(carved));
+    };
     if (size == 1)
-        throw Failure(
-            fmt::format("count {} removes the only vertex along {}; none can go", count, axis));
-    throw Failure(fmt::format("count {} removes {} {} vertices along {}; at most {} can go", count,
-                              removed == size ? "all" : "more than the", size, axis, size - 1));
+        throw Failure(fmt::format("count {} removes the only {}; none can go", count, what(true)));
+    throw Failure(fmt::format("count {} removes {} {} {}; at most {} can go", count,
+                              removed == size ? "all" : "more than the", size, what(false),
+                              size - 1));
 }
 
 }  // namespace
@@ -75,17 +84,21 @@ SeamTask task_of(const SolverParams& params, const LatticeForm& form, bool carve
     out.axis = params.axis;
     out.finest = finest;
     out.shape = form.shape;
-    const int size = out.shape[dimension(params.axis)], count = params.count.of(size);
+    const int size = params.axis == Axis::t ? form.frames : out.shape[dimension(params.axis)],
+              count = params.count.of(size);
+    out.size = size;
     require_vertex_left(params, size, carved);
     out.asked = out.count = std::abs(count);
     if (const int thickness = params.thickness.value_or(1); thickness > size)
-        throw Failure(fmt::format("thickness {} is wider than the lattice, which has {}; lower it",
-                                  thickness, vertices_along(params.axis, size, carved)));
+        throw Failure(fmt::format("thickness {} is wider than the {}, which has {}; lower it",
+                                  thickness, whole_of(params.axis),
+                                  vertices_along(params.axis, size, carved)));
     const auto part = [&](bool pair, Seams::Kind kind, const Auto<VertexRange>& window,
                           bool static_) {
         SeamTask::Part part{pair, kind, {}, static_};
-        part.window = window_of(part.prefix() + "window", window, params.axis, form.around ? 1 : 0,
-                                size, carved);
+        const bool at_rig = form.around && params.axis != Axis::t;
+        part.window = window_of(part.prefix() + "window", window, params.axis, at_rig ? 1 : 0, size,
+                                carved);
         // One vertex stays.
         const int room = std::min(room_in(kind, part.window, size, finest),
                                   kind == Seams::Kind::remove ? size - 1 : size);
@@ -116,7 +129,7 @@ void require_ends(const SolverParams& params, const LatticeForm& form) {
             "the rig is closed, so that w has no end to take from or to add to: give a `window` "
             "and a `pair_window` beside it, between which the content moves "
             "round, or leave the rig open (`closed: false`)");
-    if (!form.around) return;
+    if (!form.around || params.axis == Axis::t) return;
     if (params.axis == Axis::v)
         throw Failure(
             "the lattice goes around its rig, so that v closes and has no end to take from: carve "
@@ -136,8 +149,8 @@ void require_ends(const SolverParams& params, const LatticeForm& form) {
 Columns columns_of(const SeamTask& task, const CarvedSpace& space) {
     const auto& lattice = *space.lattices().front();
     return {task.shape[lateral_dimension(task.axis)], task.shape[slice_dimension(task.axis)],
-            static_cast<int>(space.frames().size()), lattice.closed && task.axis != Axis::w,
-            lattice.around};
+            task.axis == Axis::t ? task.shape[0] : static_cast<int>(space.frames().size()),
+            lattice.closed && task.axis != Axis::w, lattice.around};
 }
 
 Seams empty_seams(const SolverParams& params, const SeamTask& task, const CarvedSpace& space) {

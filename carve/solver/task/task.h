@@ -25,6 +25,7 @@ struct SeamTask {
     };
     Axis axis = Axis::u;
     std::array<int, 3> shape{};  ///< I, J, K of the space
+    int size = 0;                ///< vertices along the axis; of seams of frames, the frames
     int finest = 1;              ///< 2: seams are found at half size
     int asked = 0;               ///< number of seams in each part that the parameters want
     /// Of seams to find in each part; with `best_effort` no more than there is room for.
@@ -39,12 +40,12 @@ struct SeamTask {
 /// @throws Failure if the space is empty, if a window or the anchor leaves it, if a window has too
 ///   little room, if removals leave no vertex along the axis, or as require_ends()
 SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int finest = 1);
-/// The same before the space is there. @param form  its shape must be known along the axis
+/// The same before the space is there. @param form  must be known along the axis
 /// @param carved  whether other sets have carved the space
 SeamTask task_of(const SolverParams& params, const LatticeForm& form, bool carved, int finest = 1);
 
 /// Requires an axis that begins and ends, or a pair window in a closed one. Around a rig, u is
-/// carved, and the rig stays in place.
+/// carved, or frames, and the rig stays in place.
 /// @throws Failure
 void require_ends(const SolverParams& params, const LatticeForm& form);
 

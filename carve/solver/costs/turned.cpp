@@ -1,0 +1,64 @@
+#include "carve/solver/costs/turned.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace fluidcarve {
+
+namespace {
+
+constexpr std::size_t block_bytes = std::size_t{64} << 20;
+
+/// Turns one list of codes per frame. Blocks of layers, so that each frame is read in one go.
+/// @param read   gives a frame's codes
+/// @param write  takes a layer's codes
+template <class Read, class Write>
+void turn(const EnergyVolume& from, const Read& read, const Write& write) {
+    const std::size_t columns = from.columns_per_frame(), frames = from.frames(),
+                      layers = static_cast<std::size_t>(from.width()), stride = from.stride(),
+                      layer = columns * frames,
+                      block = std::clamp<std::size_t>(block_bytes / (layer * 2), 1, layers);
+    std::vector<std::uint16_t> codes;
+    for (std::size_t first = 0; first < layers; first += block) {
+        const auto count = std::min(block, layers - first);
+        codes.resize(count * layer);
+        for (std::size_t t = 0; t < frames; ++t) {
+            const auto& frame = read(t);
+            tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
+                auto* const out = codes.data() + n * layer + t;
+                for (std::size_t c = 0; c < columns; ++c)
+                    out[c * frames] = frame[c * stride + first + n];
+            });
+        }
+        for (std::size_t n = 0; n < count; ++n)
+            write(first + n, std::span<const std::uint16_t>(codes.data() + n * layer, layer));
+    }
+}
+
+}  // namespace
+
+EnergyVolume turned(const EnergyVolume& from, std::uint64_t budget, const std::string& folder) {
+    EnergyVolume out({static_cast<int>(from.frames()), from.laterals(), from.slices()}, Axis::u,
+                     static_cast<std::size_t>(from.width()), budget, folder, from.closed(),
+                     from.around());
+    out.set_spread(from.spread());
+    turn(
+        from, [&](std::size_t t) { return from.codes(t); },
+        [&](std::size_t layer, std::span<const std::uint16_t> codes) {
+            std::ranges::copy(codes, out.codes(layer).begin());
+        });
+    if (!from.has_field()) return out;
+    out.add_field(0, budget, folder);
+    turn(
+        from, [&](std::size_t t) { return from.field_codes(t); },
+        [&](std::size_t layer, std::span<const std::uint16_t> codes) {
+            out.set_field(layer, codes);
+        });
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "carve/solver/costs/volume.h"
+
+#include <cstdint>
+#include <string>
+
+namespace fluidcarve {
+
+/// An energy with time and `u` exchanged, for seams of frames (Axis::t): the entries of a column
+/// `(j, k)` are its frames, and each vertex along u takes the place of a frame. Nothing that seams
+/// pay is set.
+/// @param from    of Axis::u, at full or half size
+/// @param budget  bytes of energies that may be held in memory, and as many of the field
+/// @throws Failure as FrameStore
+EnergyVolume turned(const EnergyVolume& from, std::uint64_t budget, const std::string& folder);
+
+}  // namespace fluidcarve

@@ -1,0 +1,198 @@
+#include "carve/time/time_map.h"
+
+#include "tests/support/node_bench.h"
+#include "tests/support/seams_through.h"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <random>
+
+using namespace fluidcarve;
+using namespace fluidcarve::test;
+using openvdb::Coord;
+using openvdb::CoordBBox;
+
+namespace {
+
+constexpr int frame_count = 7;
+const CoordBBox cells(Coord(0), Coord(2, 3, 1));
+
+Lattice voxels() { return make_box(openvdb::Vec3d(0), {3, 4, 2}, 1.0, {0, 1, 2}); }
+
+std::vector<int> frame_numbers() {
+    std::vector<int> out;
+    for (int t = 0; t < frame_count; ++t) out.push_back(11 + t);
+    return out;
+}
+
+float value_at(int t, const Coord& at) {
+    return static_cast<float>(1 + 100 * t + 10 * at.x() + 3 * at.y() + at.z());
+}
+
+/// Frames in which each value tells its frame and its place.
+void tell_frames(Sequence& out, const CoordBBox& box = cells) {
+    for (int t = 0; t < frame_count; ++t) {
+        const auto grid = FloatGrid::create();
+        grid->setName("density");
+        for (auto at = box.begin(); at; ++at) grid->tree().setValueOn(*at, value_at(t, *at));
+        Volume volume;
+        volume.grids.emplace_back(grid);
+        out.add(volume, nullptr, frame_numbers()[static_cast<std::size_t>(t)], {});
+    }
+}
+
+float value(const Volume& volume, const Coord& at) {
+    return openvdb::gridConstPtrCast<FloatGrid>(volume.grids.front().grid())->tree().getValue(at);
+}
+
+Seams empty_set(Seams::Kind kind) {
+    return no_seams(voxels(), Axis::t, kind, frame_numbers());
+}
+
+/// Any seams: entries that no neighbours share.
+Seams random_set(std::mt19937& random, Seams::Kind kind, int count) {
+    auto out = empty_set(kind);
+    std::vector<std::vector<std::uint16_t>> entries(
+        static_cast<std::size_t>(count), std::vector<std::uint16_t>(out.columns()));
+    for (std::size_t c = 0; c < out.columns(); ++c) {
+        std::vector<int> all;
+        for (int t = 0; t < frame_count; ++t) all.push_back(t);
+        std::shuffle(all.begin(), all.end(), random);
+        for (std::size_t n = 0; n < entries.size(); ++n) {
+            // A removal counts what those before it leave.
+            int entry = all[n];
+            if (kind == Seams::Kind::remove)
+                for (std::size_t m = 0; m < n; ++m)
+                    if (all[m] < all[n]) --entry;
+            entries[n][c] = static_cast<std::uint16_t>(entry);
+        }
+    }
+    for (auto& each : entries) out.seams.push_back({std::move(each), 0.0});
+    return out;
+}
+
+/// The frames of the source that a vertex shows, one after the other.
+std::vector<int> shown_at(const Seams& set, const Coord& at) {
+    std::vector<int> out;
+    for (int t = 0; t < frame_count; ++t) out.push_back(t);
+    const auto column = static_cast<std::size_t>(at.y() + 4 * (at.z() + 2 * at.x()));
+    for (const auto& seam : set.seams) {
+        const auto entry = seam.at[column];
+        if (set.kind == Seams::Kind::remove) out.erase(out.begin() + entry);
+        else out.insert(std::ranges::find(out, int{entry}) + 1, entry);
+    }
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("a straight seam takes a frame out, or shows it twice, bit for bit") {
+    Sequence source;
+    tell_frames(source);
+    for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert}) {
+        auto set = empty_set(kind);
+        set.seams.push_back(straight_seam(set, 3));
+        const TimeMap map(set, voxels(), 1, 1);
+        CHECK(map.frames() == frame_count + growth(kind, 1));
+        for (int n = 0; n < map.frames(); ++n) {
+            const int wanted = kind == Seams::Kind::remove ? n + (n >= 3) : n - (n > 3);
+            // The very same grid.
+            CHECK(map.frame(source, n).grids.front().grid() ==
+                  source.at(static_cast<std::size_t>(wanted)).volume.grids.front().grid());
+        }
+    }
+}
+
+TEST_CASE("without a fade each vertex shows the frames that its own entries leave") {
+    std::mt19937 random(5);
+    Sequence source;
+    tell_frames(source);
+    for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert}) {
+        const auto set = random_set(random, kind, 3);
+        const TimeMap map(set, voxels(), 3, 1);
+        for (int n = 0; n < map.frames(); ++n) {
+            const auto frame = map.frame(source, n);
+            for (auto at = cells.begin(); at; ++at) {
+                const int wanted = shown_at(set, *at).at(static_cast<std::size_t>(n));
+                CHECK(value(frame, *at) == value_at(wanted, *at));
+            }
+        }
+    }
+}
+
+TEST_CASE("a fade goes over in a few frames, and all others keep their bits") {
+    Sequence source;
+    tell_frames(source);
+    auto set = empty_set(Seams::Kind::remove);
+    set.seams.push_back(straight_seam(set, 3));
+    const TimeMap map(set, voxels(), 1, 2);
+    const Coord at(1, 2, 1);
+    // Shares of the frame behind: a quarter before the seam, three quarters behind it.
+    const auto share = [&](int n) {
+        return (value(map.frame(source, n), at) - value_at(n, at)) / 100;
+    };
+    CHECK(share(1) == 0);
+    CHECK(share(2) == Approx(0.25));
+    CHECK(share(3) == Approx(0.75));
+    CHECK(share(4) == 1);
+}
+
+TEST_CASE("seams of frames in pairs keep the length") {
+    auto set = empty_set(Seams::Kind::remove);
+    set.window = Window{0, 2};
+    set.pair_window = Window{4, 6};
+    set.seams.push_back(straight_seam(set, 1));
+    set.pairs.push_back(straight_seam(set, 5));
+    Sequence source;
+    tell_frames(source);
+    const TimeMap map(set, voxels(), 1, 1);
+    REQUIRE(map.frames() == frame_count);
+    const std::vector<int> wanted{0, 2, 3, 4, 5, 5, 6};
+    for (int n = 0; n < frame_count; ++n)
+        CHECK(value(map.frame(source, n), Coord(0)) ==
+              value_at(wanted[static_cast<std::size_t>(n)], Coord(0)));
+}
+
+TEST_CASE("what lies beyond a box goes over with its nearest vertex") {
+    std::mt19937 random(5);
+    const CoordBBox wide(Coord(-2, -2, -2), Coord(5, 5, 3));
+    Sequence source;
+    tell_frames(source, wide);
+    const auto set = random_set(random, Seams::Kind::remove, 2);
+    const TimeMap map(set, voxels(), 2, 1);
+    const auto frame = map.frame(source, 2);
+    for (auto at = wide.begin(); at; ++at) {
+        auto nearest = *at;
+        for (int d = 0; d < 3; ++d)
+            nearest[d] = std::clamp(nearest[d], cells.min()[d], cells.max()[d]);
+        CHECK(value(frame, *at) == value_at(shown_at(set, nearest).at(2), *at));
+    }
+}
+
+TEST_CASE("the frames that a carve leaves are numbered on, and more than there are can't go") {
+    const auto left = [](const FramesCarved& carved, const Auto<Count>& used,
+                         const std::vector<int>& frames) { return carved.left(used, frames); };
+    CHECK(left({{-1}}, {}, {11, 13, 15}) == std::vector{11, 13});
+    CHECK(left({{1}}, {}, {11, 13, 15}) == std::vector{11, 13, 15, 17});
+    CHECK(left({{-2}}, Count{1}, {1, 2, 3}) == std::vector{1, 2});
+    CHECK(left({{2}}, Count{1}, {1, 2, 3}) == std::vector{1, 2, 3, 4});
+    CHECK(left({{-2}, true}, {}, {1, 2, 3}) == std::vector{1, 2, 3});
+    CHECK(left({{-50, true}}, {}, {1, 2, 3, 4}) == std::vector{1, 2});
+    CHECK(failure_of([&] { left({{-3}}, {}, {1, 2, 3}); }) ==
+          "count -3 takes all of 3 frames; at most 2 can go");
+    CHECK(failure_of([&] { left({{-1}}, {}, {1, 2, 4}); }) != "");
+}
+
+TEST_CASE("seams of frames want their own lattice, and no others serve as such") {
+    auto set = empty_set(Seams::Kind::remove);
+    set.seams.push_back(straight_seam(set, 3));
+    const auto other = make_box(openvdb::Vec3d(1), {3, 4, 2}, 1.0, {0, 1, 2});
+    CHECK_THAT(failure_of([&] { TimeMap(set, other, 1, 1); }),
+               Catch::Contains("the seams were found in another lattice"));
+    CHECK_THAT(failure_of([&] { TimeMap(set, voxels(), 2, 1); }),
+               Catch::Contains("count asks for 2 seams, but the seam set holds 1"));
+    set = no_seams(voxels());
+    CHECK_THAT(failure_of([&] { TimeMap(set, voxels(), 0, 1); }),
+               Catch::Contains("they were found along u"));
+}
