@@ -109,7 +109,6 @@ Registry builtin_registry() {
     out.add(filter_seam());
     out.add(preview_page());
     out.add(preview_sheet());
-    out.add(time_carve());
     out.add(time_loop());
     out.add(time_retime());
     out.add(time_retime_mesh());

@@ -182,13 +182,14 @@ NodeType remap_grids() {
             .input("source", &RemapGrids::Ports::source, "The volume to carve, or one grid.")
             .input("lattice", &RemapGrids::Ports::lattice,
                    "The lattice in which the seams were found.")
-            .input("seams", &RemapGrids::Ports::seams,
-                   "Seams or a warp, or a list of them in the order of carving. Or one set of seams "
-                   "of frames (`axis: t` of its solver): then the sequence gets shorter or longer, "
-                   "and what follows this node has the new frames. Of the parameters, only "
-                   "`count`, `join` and `fade`, in frames, then matter. All but the places that "
-                   "just change from one frame to another are bit for bit those of a frame of the "
-                   "source; points go over one by one.")
+            .input(
+                "seams", &RemapGrids::Ports::seams,
+                "Seams or a warp, or a list of them in the order of carving. Or one set of seams "
+                "of frames (`axis: t` of its solver): then the sequence gets shorter or longer, "
+                "and what follows this node has the new frames. Of the parameters, only "
+                "`count`, `join` and `fade`, in frames, then matter. All but the places that "
+                "just change from one frame to another are bit for bit those of a frame of the "
+                "source; points go over one by one.")
             .param("count", &RemapGrids::Params::count, Unit::seams, any_number(), count_doc)
             .param("interpolation", &RemapGrids::Params::interpolation,
                    "How values are read between voxels, if the lattice's vertices are not voxels.")

@@ -6,7 +6,6 @@ namespace fluidcarve {
 
 // The node types of time.*; each declaration says what the node does.
 
-NodeType time_carve();
 NodeType time_loop();
 NodeType time_retime();
 NodeType time_retime_mesh();

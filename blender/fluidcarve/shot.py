@@ -116,10 +116,12 @@ def _in_time(volume: bpy.types.Object, shot: Shot) -> Any:
     p = fluidcarve.Pipeline()
     grids = {grid["name"]: grid["type"] for grid in shot.facts["grids"]}
     velocity = next((name for name in ("velocity", "vel", "v") if grids.get(name) == "vec3s"), None)
-    sim = p.vdb.read(path=shot.source.path, **({"grids": {velocity: "vector"}} if velocity else {}))
+    shown = _shown(grids) if settings.time == "CARVE" else None
+    named = {**({velocity: "vector"} if velocity else {}), **({shown: "float"} if shown else {})}
+    sim = p.vdb.read(path=shot.source.path, **({"grids": named} if named else {}))
     moving = {"velocity": sim[velocity]} if velocity else {}
     if settings.time == "CARVE":
-        carved = p.time.carve(source=sim, count=settings.frames)
+        carved = _own_pace(p, sim, str(shown), settings.frames)
     elif settings.time == "RETIME":
         carved = p.time.retime(source=sim, speed=round(settings.speed, 6), **moving)
     else:
@@ -127,6 +129,22 @@ def _in_time(volume: bpy.types.Object, shot: Shot) -> Any:
         carved = p.time.loop(source=sim, frames=low if low == high else [low, high], **moving)
     p.vdb.write(source=carved, path=shot.out, name="out")
     return p
+
+
+def _shown(grids: Dict[str, str]) -> str:
+    """The grid that is looked at: the density, else the first of numbers."""
+    floats = [name for name, kind in grids.items() if kind == "float"]
+    if not floats:
+        raise scene.fault("there is no grid of numbers, which tells at what moment frames may leave; choose Speed or Loop")
+    return "density" if "density" in floats else floats[0]
+
+
+def _own_pace(p: fluidcarve.Pipeline, sim: Any, shown: str, frames: int) -> Any:
+    """Takes frames out, or shows them twice, at each place where that is seen least."""
+    box = p.lattice.box(fit=sim[shown])
+    edges = p.energy.gradient(field=sim[shown])
+    seams = p.seam.pyramid(energy=edges, field=sim[shown], lattice=box, axis="t", count=frames)
+    return p.remap.grids(source=sim, lattice=box, seams=seams)
 
 
 def _in_space(volume: bpy.types.Object, shot: Shot, preview: bool) -> Any:

@@ -17,16 +17,16 @@
 namespace fluidcarve {
 
 /// Seams through one lattice over a sequence, in the order in which they were found. A seam holds
-/// one entry per column, an index along the carved axis. A column is `(lateral, slice, layer)`: `(j,
-/// k, t)` if u is carved, `(i, k, t)` for v, `(i, j, t)` for w. Seams of frames have the columns
-/// `(j, k, i)`, and their entries are indices into `frames`. Or a warp in their place: then there
-/// are no seams, and the warp is carved as a whole.
+/// one entry per column, an index along the carved axis. A column is `(lateral, slice, layer)`:
+/// `(j, k, t)` if u is carved, `(i, k, t)` for v, `(i, j, t)` for w. Seams of frames have the
+/// columns `(j, k, i)`, and their entries are indices into `frames`. Or a warp in their place: then
+/// there are no seams, and the warp is carved as a whole.
 struct Seams {
     enum class Kind { remove, insert };
     struct Seam {
-        /// Entries `[column]`, lateral fastest, then slice, then layer; columns() of them. `remove`:
-        /// index in the space that this seam is carved from. `insert`: original
-        /// index of the entry that is doubled.
+        /// Entries `[column]`, lateral fastest, then slice, then layer; columns() of them.
+        /// `remove`: index in the space that this seam is carved from. `insert`: original index of
+        /// the entry that is doubled.
         SeamEntries at;
         double energy = 0;  ///< sum over all columns, in the units of the energy
         /// Lower bound on the energy of any seam found in its place; nothing if not asked for.
@@ -92,7 +92,8 @@ struct Seams {
     /// @param t  index of the frame in `frames`
     std::string lattice_hash_at(std::size_t t) const;
     /// The shape I, J, K that the first `count` seams leave. Pairs and seams of frames do not
-    /// change it. A warp leaves as many whole vertices as hold all of its content, in all columns and frames.
+    /// change it. A warp leaves as many whole vertices as hold all of its content, in all columns
+    /// and frames.
     std::array<int, 3> shape_after(std::size_t count) const;
     /// How far the beginning of the space moves when the first `count` seams are carved, so that
     /// the anchor stays in place; vertices along the axis. 0 to `count` for removals, -`count` to 0

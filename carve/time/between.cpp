@@ -4,6 +4,7 @@
 #include "carve/stream/openvdb_types.h"
 #include "carve/time/advect.h"
 #include "carve/time/points_between.h"
+#include "carve/volume/grid_types.h"
 
 #include <openvdb/tools/Activate.h>
 #include <openvdb/tools/ChangeBackground.h>
@@ -141,6 +142,27 @@ typename GridT::ConstPtr grid_mixed(const GridT* a, const GridT* b,
     return out;
 }
 
+/// A grid of two frames whose values can't be mixed: each voxel is that of the nearer side.
+template <class GridT>
+typename GridT::ConstPtr grid_chosen(const GridT& a, const GridT& b,
+                                     const std::function<double(const openvdb::Vec3d&)>& share) {
+    const auto out = a.deepCopy();
+    out->topologyUnion(b);
+    out->tree().voxelizeActiveTiles();
+    openvdb::tree::LeafManager<typename GridT::TreeType> leaves(out->tree());
+    leaves.foreach ([&](auto& leaf, std::size_t) {
+        const auto old = a.getConstAccessor(), now = b.getConstAccessor();
+        for (auto value = leaf.beginValueOn(); value; ++value) {
+            const auto at = value.getCoord();
+            const auto& side = share(out->indexToWorld(at)) < 0.5 ? old : now;
+            if constexpr (!std::is_same_v<GridT, MaskGrid>) value.setValue(side.getValue(at));
+            if (!side.isValueOn(at)) leaf.setActiveState(value.pos(), false);
+        }
+    });
+    out->pruneGrid();
+    return out;
+}
+
 /// A picture's channel, made pixel by pixel. @param value  by x and y
 template <class Value>
 Plane picture(const openvdb::CoordBBox& box, const Value& value) {
@@ -197,11 +219,12 @@ Plane picture_between(const Plane& a, const Plane& b, double share, const Vector
 
 /// The grids of one of two volumes, the floats and vectors among them mixed of both.
 /// @param mix      makes a grid of two of one type, of which one may be null
+/// @param choose   makes a grid of two, of which none is null, whose values can't be mixed
 /// @param picture  makes a picture's channel of two
 /// @param points   makes points of two
-template <class Mix, class Picture, class MixPoints>
+template <class Mix, class Choose, class Picture, class MixPoints>
 Volume paired(const Volume& a, const Volume& b, const Volume& nearer, const Mix& mix,
-              const Picture& picture, const MixPoints& points) {
+              const Choose& choose, const Picture& picture, const MixPoints& points) {
     const auto first = a.unique_names(), second = b.unique_names(), names = nearer.unique_names();
     const auto in = [](const Volume& volume, const std::vector<std::string>& all,
                        const std::string& name) {
@@ -229,6 +252,9 @@ Volume paired(const Volume& a, const Volume& b, const Volume& nearer, const Mix&
             mixed(static_cast<const VectorGrid*>(nullptr));
         else if (is_point_grid(held.header()) && before && after)
             held = held.holding(points(points_in(before), points_in(after)).grid);
+        else if (before && after && before.header().transform() == after.header().transform())
+            if (const auto chosen = choose(before.grid(), after.grid()))
+                held = held.holding(chosen);
     }
     return out;
 }
@@ -242,6 +268,7 @@ Volume volume_between(const Volume& a, const Volume& b, double share, const Vect
         [&](const auto* old, const auto* now) {
             return grid_between(old, now, share, motion, transport);
         },
+        [](const auto&, const auto&) { return openvdb::GridBase::ConstPtr(); },
         [&](const Plane& old, const Plane& now, const openvdb::math::Transform& place) {
             return picture_between(old, now, share, motion, place);
         },
@@ -257,6 +284,16 @@ Volume volume_mixed(const Volume& a, const Volume& b,
                     const Volume& nearer) {
     return paired(
         a, b, nearer, [&](const auto* old, const auto* now) { return grid_mixed(old, now, share); },
+        [&](const openvdb::GridBase::ConstPtr& old, const openvdb::GridBase::ConstPtr& now) {
+            openvdb::GridBase::ConstPtr out;
+#define FLUIDCARVE_TRY(GridT)                                   \
+    if (old->isType<GridT>() && now->isType<GridT>())           \
+        out = grid_chosen(*openvdb::GridBase::grid<GridT>(old), \
+                          *openvdb::GridBase::grid<GridT>(now), share);
+            FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_TRY)
+#undef FLUIDCARVE_TRY
+            return out;
+        },
         [&](const Plane& old, const Plane& now, const openvdb::math::Transform& place) {
             const int z = old.box.min().z();
             return picture(old.box, [&](int x, int y) {

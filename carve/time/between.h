@@ -30,9 +30,9 @@ Volume volume_between(const Volume& a, const Volume& b, double share, const Vect
                       Transport transport);
 
 /// The volume of two, by a share of the second that differs from place to place. Points as
-/// points_mixed(); whole numbers and masks are those of the nearer one.
+/// points_mixed(); whole numbers, doubles and masks are those of the nearer one, voxel by voxel.
 /// @param share   at a world position, from 0 to 1
-/// @param nearer  `a` or `b`
+/// @param nearer  `a` or `b`: of what can't be taken voxel by voxel
 Volume volume_mixed(const Volume& a, const Volume& b,
                     const std::function<double(const openvdb::Vec3d&)>& share,
                     const Volume& nearer);

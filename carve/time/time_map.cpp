@@ -59,15 +59,14 @@ const Lattice& required(const Seams& seams, const Lattice& lattice) {
 TimeMap::TimeMap(const Seams& seams, const Lattice& lattice, std::size_t count, int fade)
     : shape_(seams.shape),
       mapping_(required(seams, lattice)),
-      frames_(seams.carved() +
-              (seams.paired() ? 0 : growth(seams.kind, static_cast<int>(count)))),
+      frames_(seams.carved() + (seams.paired() ? 0 : growth(seams.kind, static_cast<int>(count)))),
       source_frames_(seams.carved()),
       fade_(fade),
       closed_(seams.closed),
       around_(seams.around) {
     if (count > seams.size())
-        throw Failure(fmt::format("count asks for {} seams, but the seam set holds {}", count,
-                                  seams.size()));
+        throw Failure(
+            fmt::format("count asks for {} seams, but the seam set holds {}", count, seams.size()));
     const auto turned = along_u(seams);
     for (std::size_t i = 0; i < seams.layers(); ++i) steps_.emplace_back(turned, i, count);
 }
@@ -106,8 +105,8 @@ std::vector<TimeMap::Seen> TimeMap::seen(int n) const {
             seen.share[c] += weights[static_cast<std::size_t>(m + fade_ - 1)];
         }
     }
-    const int most = std::ranges::max_element(whole, {}, &std::pair<const int, std::size_t>::second)
-                         ->first;
+    const int most =
+        std::ranges::max_element(whole, {}, &std::pair<const int, std::size_t>::second)->first;
     out.at(std::clamp(n + most, 0, source_frames_ - 1)).outside = 1;
     std::vector<Seen> all;
     for (auto& [place, seen] : out) all.push_back(std::move(seen));
@@ -115,8 +114,8 @@ std::vector<TimeMap::Seen> TimeMap::seen(int n) const {
 }
 
 float TimeMap::share_at(const Seen& seen, const openvdb::Vec3d& world) const {
-    const auto located = mapping_.slabs() ? mapping_.locate(world)
-                                          : std::optional(mapping_.coordinates(world));
+    const auto located =
+        mapping_.slabs() ? mapping_.locate(world) : std::optional(mapping_.coordinates(world));
     if (!located) return seen.outside;
     const std::array closes{false, around_, closed_};
     std::array<std::size_t, 3> low{}, high{};

@@ -13,7 +13,7 @@ namespace fluidcarve {
 
 /// Where and when one run of frames goes over into another: a surface in space and time. Each place
 /// goes over when both differ least there, in a few frames; so all but a few places show one of
-/// them alone (METHOD 12 "Surfaces in time").
+/// them alone (METHOD 12 "Loops").
 class TimeSurface {
 public:
     /// @param like    whose space the surface is in

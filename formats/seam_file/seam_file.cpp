@@ -211,14 +211,12 @@ private:
 
     /// The column whose entry stands at a place of a grid.
     std::size_t column(const Coord& at) const {
-        const auto [lateral, slice, layer] = seams_.in_time()
-                                                 ? std::array{at.y(), at.z(), at.x()}
-                                                 : std::array{at.x(), at.y(), at.z()};
-        const auto row = static_cast<std::size_t>(layer) *
-                             static_cast<std::size_t>(seams_.slices()) +
-                         static_cast<std::size_t>(slice);
-        return row * static_cast<std::size_t>(seams_.lateral()) +
-               static_cast<std::size_t>(lateral);
+        const auto [lateral, slice, layer] = seams_.in_time() ? std::array{at.y(), at.z(), at.x()}
+                                                              : std::array{at.x(), at.y(), at.z()};
+        const auto row =
+            static_cast<std::size_t>(layer) * static_cast<std::size_t>(seams_.slices()) +
+            static_cast<std::size_t>(slice);
+        return row * static_cast<std::size_t>(seams_.lateral()) + static_cast<std::size_t>(lateral);
     }
 
     const Seams& seams_;

@@ -12,9 +12,9 @@ namespace fluidcarve {
 
 /// Converts seams to the volume that a seam file holds. Each seam, in order, is a FloatGrid
 /// `seam.0000`, and so on: its value at `(lateral, slice, t)`, of seams of frames at `(i, j, k)`, is
-/// the seam's entry, and all columns are active. Grid metadata: `kind` and `energy`. Pairs have a second grid each, `seam.0000.pair`. A
-/// warp has the grids of grids_of_warp() instead. Volume metadata: seam_texts() and, as
-/// `fluidcarve_checksum`, seam_checksum().
+/// the seam's entry, and all columns are active. Grid metadata: `kind` and `energy`. Pairs have a
+/// second grid each, `seam.0000.pair`. A warp has the grids of grids_of_warp() instead. Volume
+/// metadata: seam_texts() and, as `fluidcarve_checksum`, seam_checksum().
 Volume seams_to_volume(const Seams& seams);
 
 /// Converts such a volume back to seams, or a warp. Does not check that neighbouring entries are

@@ -213,8 +213,8 @@ public:
     /// @param fault     why inputs without learns() can't take them
     template <class Promised>
     Declare& promises(Promised promised, std::string fault) {
-        type_.promise = [promised, fault = std::move(fault)](
-                            const void* params) -> std::optional<Promise> {
+        type_.promise = [promised,
+                         fault = std::move(fault)](const void* params) -> std::optional<Promise> {
             auto of = promised(*static_cast<const Params*>(params));
             if (!of) return std::nullopt;
             return Promise{*std::move(of), fault};

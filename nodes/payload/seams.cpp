@@ -86,8 +86,8 @@ std::vector<Seams::Seam> read_list(BinaryReader& in, std::uint64_t columns) {
 
 std::uint64_t bytes_of_seams(const Seams& seams) {
     const auto warp = seams.warp ? seams.warp->frames() * seams.warp->values(0).size_bytes() : 0;
-    return warp + (seams.seams.size() + seams.pairs.size()) * seams.columns() *
-                      sizeof(std::uint16_t);
+    return warp +
+           (seams.seams.size() + seams.pairs.size()) * seams.columns() * sizeof(std::uint16_t);
 }
 
 void write_all(const Seams& seams, std::ostream& to) {

@@ -101,7 +101,7 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param("rigidity", &Params::rigidity, Unit::none, at_least(0),
                "Cost of each step of a seam from a column to its neighbour in space, in mean "
                "energies of the content. More keeps seams straighter. Reported energies include "
-               "it. auto is 0.2 with a `field`, 1 for thin seams of frames, 0 without.")
+               "it. auto is 0.2 with a `field`, 2 for thin seams of frames, 0 without.")
         .param("rigidity_time", &Params::rigidity_time, Unit::none, at_least(0),
                "The same from frame to frame. More keeps seams steadier.")
         .param(
@@ -110,7 +110,8 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
             "in equal shares to the vertices within this distance on both sides along the axis "
             "(Cho et al. 2009), but not out of the window, nor to protected or attracted vertices. "
             "So seams do not bunch, and each part of the content gives in proportion to its room. "
-            "0: seams run side by side where it is cheapest. auto is 3 with a `field`, 0 without.")
+            "0: seams run side by side where it is cheapest. auto is 3 with a `field`, 0 without. "
+            "Seams of frames hand on the edges that they leave, so that a pause leaves as a whole.")
         .param("anchor", &Params::anchor,
                "What stays in place while seams move the rest: the lattice's low end, its middle, "
                "its high end, or the content of a vertex. Content moves by whole vertices, by the "
@@ -129,9 +130,8 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
                "million vertices in a frame, and says so; else 1. Images, and seams of frames, are "
                "solved at full size.")
         .output("seams", &Ports::seams, "The seams, in the order in which they were found.")
-        .promises(
-            [params_of](const auto& params) { return SeamNode::in_time(params_of(&params)); },
-            only_remapped)
+        .promises([params_of](const auto& params) { return SeamNode::in_time(params_of(&params)); },
+                  only_remapped)
         .digests({"energy", "lattice", "field", "protect", "attract", "axis", "measure", "finest"})
         .grows({"count",
                 [params_of](const void* params) { return SeamNode::rest(params_of(params)); },

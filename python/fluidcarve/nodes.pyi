@@ -1154,7 +1154,7 @@ class SeamFamily:
         protect: Source = ...,
         attract: Source = ...,
         after: Source | Sequence[Source] = ...,
-        axis: Literal["u", "v", "w"] | Param = ...,
+        axis: Literal["t", "u", "v", "w"] | Param = ...,
         window: Sequence[bool | float | str | Param] | Sequence[float | Param] | Literal["auto"] | Param = ...,
         pair_window: Sequence[bool | float | str | Param] | Sequence[float | Param] | Literal["auto"] | Param = ...,
         static: bool | Param = ...,
@@ -1189,7 +1189,7 @@ class SeamFamily:
         protect: Source = ...,
         attract: Source = ...,
         after: Source | Sequence[Source] = ...,
-        axis: Literal["u", "v", "w"] | Param = ...,
+        axis: Literal["t", "u", "v", "w"] | Param = ...,
         window: Sequence[bool | float | str | Param] | Sequence[float | Param] | Literal["auto"] | Param = ...,
         pair_window: Sequence[bool | float | str | Param] | Sequence[float | Param] | Literal["auto"] | Param = ...,
         static: bool | Param = ...,
@@ -1226,7 +1226,7 @@ class SeamFamily:
         protect: Source = ...,
         attract: Source = ...,
         after: Source | Sequence[Source] = ...,
-        axis: Literal["u", "v", "w"] | Param = ...,
+        axis: Literal["t", "u", "v", "w"] | Param = ...,
         window: Sequence[bool | float | str | Param] | Sequence[float | Param] | Literal["auto"] | Param = ...,
         pair_window: Sequence[bool | float | str | Param] | Sequence[float | Param] | Literal["auto"] | Param = ...,
         static: bool | Param = ...,
@@ -1262,7 +1262,7 @@ class SeamFamily:
         protect: Source = ...,
         attract: Source = ...,
         after: Source | Sequence[Source] = ...,
-        axis: Literal["u", "v", "w"] | Param = ...,
+        axis: Literal["t", "u", "v", "w"] | Param = ...,
         window: Sequence[bool | float | str | Param] | Sequence[float | Param] | Literal["auto"] | Param = ...,
         pair_window: Sequence[bool | float | str | Param] | Sequence[float | Param] | Literal["auto"] | Param = ...,
         static: bool | Param = ...,
@@ -1301,7 +1301,7 @@ class SeamFamily:
         protect: Source = ...,
         attract: Source = ...,
         after: Source | Sequence[Source] = ...,
-        axis: Literal["u", "v", "w"] | Param = ...,
+        axis: Literal["t", "u", "v", "w"] | Param = ...,
         window: Sequence[bool | float | str | Param] | Sequence[float | Param] | Literal["auto"] | Param = ...,
         pair_window: Sequence[bool | float | str | Param] | Sequence[float | Param] | Literal["auto"] | Param = ...,
         static: bool | Param = ...,
@@ -1401,9 +1401,6 @@ class SeamsFamily:
         Writes seams or a warp to one .vdb file. Any smaller number of the seams can be carved from it later.
         """
 
-class TimeCarve(Node):
-    volume: Output
-
 class TimeLoop(Node):
     volume: Output
 
@@ -1417,20 +1414,6 @@ class TimeRetimePoints(Node):
     points: Output
 
 class TimeFamily:
-    def carve(
-        self,
-        source: Source,
-        count: int | str | Param,
-        *,
-        name: str = ...,
-        start: int | Literal["auto"] | Param = ...,
-        doc: str = ...,
-        cache: bool = ...,
-    ) -> TimeCarve:
-        """
-        The same sequence, some frames shorter or longer, at its own pace: a slab of frames leaves, or is shown twice,
-        each place of it at the moment when both sides match best there. What follows this node has the new frames.
-        """
     def loop(
         self,
         source: Source,
@@ -1580,7 +1563,7 @@ class WarpFamily:
         attract: Source = ...,
         after: Source | Sequence[Source] = ...,
         content: Source = ...,
-        axis: Literal["u", "v", "w"] | Param = ...,
+        axis: Literal["t", "u", "v", "w"] | Param = ...,
         amount: Mapping[str, Any] | bool | float | str | Param = ...,
         amount_file: str | Param = ...,
         rest: bool | Param = ...,

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <filesystem>
 
-// `time.loop` and `time.carve`, run by the program on a puff of smoke.
+// `time.loop`, run by the program on a puff of smoke.
 
 using namespace fluidcarve;
 using openvdb::Vec3d;
@@ -45,14 +45,14 @@ auto circling(double period) {
 }
 
 Called loop(const Scratch& scratch, int last, const std::string& params,
-            const std::string& options = "", const std::string& type = "loop") {
+            const std::string& options = "") {
     const auto pipeline = scratch.write(
         "loop.yaml",
         fmt::format("fluidcarve: 1\nframes: 1-{}\nnodes:\n"
                     "  sim: {{type: vdb.read, path: {}, grids: {{density: float}}}}\n"
-                    "  loop: {{type: time.{}, source: sim, {}}}\n"
+                    "  loop: {{type: time.loop, source: sim, {}}}\n"
                     "  out: {{type: vdb.write, source: loop, path: {}}}\n",
-                    last, scratch / "puff.####.vdb", type, params, scratch / "out.####.vdb"));
+                    last, scratch / "puff.####.vdb", params, scratch / "out.####.vdb"));
     return call_shell(fmt::format("{} run {} --no-cache --progress none --report {} {}",
                                   FLUIDCARVE_PROGRAM, pipeline, scratch / "report.json", options));
 }
@@ -150,43 +150,4 @@ TEST_CASE("a loop that the sequence can't give is refused with its place") {
     const auto gap = scratch.write("gap.yaml", text);
     CHECK_THAT(fluidcarve_program("check " + gap).err,
                Catch::Contains("all frames are needed, but between 3 and 5 some are left out"));
-}
-
-TEST_CASE(
-    "of a sequence with a pause, the pause is what leaves in time, and all other frames keep their "
-    "bits") {
-    const Scratch scratch;
-    // It rests from frame 8 to 13.
-    const auto moment = [](int frame) { return frame <= 8 ? frame : frame <= 13 ? 8 : frame - 5; };
-    write_puffs(scratch, 21, [&](int frame) { return circling(40)(moment(frame)); });
-    REQUIRE(loop(scratch, 21, "count: -5", "", "carve").code == 0);
-    for (int n = 1; n <= 16; ++n)
-        CHECK(puff_off(*puff_in(loop_file(scratch, "out", n)),
-                       *puff_in(loop_file(scratch, "puff", n <= 8 ? n : n + 5))) == 0);
-    CHECK_FALSE(std::filesystem::exists(loop_file(scratch, "out", 17)));
-}
-
-TEST_CASE("a sequence that becomes longer in time begins and ends as before, and does not jump") {
-    const Scratch scratch;
-    write_puffs(scratch, 16, circling(60));
-    REQUIRE(loop(scratch, 16, "count: 25%", "", "carve").code == 0);
-    CHECK(puff_off(*puff_in(loop_file(scratch, "out", 1)),
-                   *puff_in(loop_file(scratch, "puff", 1))) == 0);
-    CHECK(puff_off(*puff_in(loop_file(scratch, "out", 20)),
-                   *puff_in(loop_file(scratch, "puff", 16))) == 0);
-    const double step =
-        puff_off(*puff_in(loop_file(scratch, "puff", 1)), *puff_in(loop_file(scratch, "puff", 2)));
-    for (int n = 1; n < 20; ++n)
-        CHECK(puff_off(*puff_in(loop_file(scratch, "out", n)),
-                       *puff_in(loop_file(scratch, "out", n + 1))) < 1.5 * step);
-    CHECK_THAT(loop(scratch, 16, "count: -15", "", "carve").err,
-               Catch::Contains("loop.yaml:5:3: count -15 is too much: of 16 frames at most 14 can "
-                               "leave or be doubled"));
-    CHECK_THAT(loop(scratch, 16, "count: 15", "", "carve").err,
-               Catch::Contains("count 15 is too much"));
-    auto text = Scratch::read(scratch / "loop.yaml");
-    text.replace(text.find("frames: 1-16"), 12, "frames: 1-14,16");
-    text.replace(text.find("count: 15"), 9, "count: -1");
-    CHECK_THAT(fluidcarve_program("check " + scratch.write("gap.yaml", text)).err,
-               Catch::Contains("all frames are needed, but between 14 and 16"));
 }

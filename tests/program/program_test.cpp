@@ -84,9 +84,9 @@ TEST_CASE("every shipped pipeline opens with its purpose, is good, and runs", "[
                 ? ""
                 : " --set sheet.show=maximum";
         // What goes into two frames.
-        const std::string whole = text.find("time.loop") != std::string::npos    ? " --set length=2"
-                                  : text.find("time.carve") != std::string::npos ? " --set count=0"
-                                                                                 : "";
+        const std::string whole = text.find("time.loop") != std::string::npos ? " --set length=2"
+                                  : text.find("axis: t") != std::string::npos ? " --set count=1"
+                                                                              : "";
         const auto ran = fluidcarve_program(
             "run -q " + file + flat + whole +
             (shot ? " --progress none --set CACHES=" + scratch.path() + " " : own_params()) +

@@ -25,9 +25,7 @@ inline Seams no_seams(const Lattice& lattice, Axis axis = Axis::u,
 
 /// One seam of a set, at the same entry in all columns of all frames.
 inline Seams::Seam straight_seam(const Seams& set, int entry) {
-    return {std::vector<std::uint16_t>(set.columns(),
-                                       static_cast<std::uint16_t>(entry)),
-            0.0};
+    return {std::vector<std::uint16_t>(set.columns(), static_cast<std::uint16_t>(entry)), 0.0};
 }
 
 inline Seams straight_seams(const Lattice& lattice, Axis axis, Seams::Kind kind,

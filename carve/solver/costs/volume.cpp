@@ -181,7 +181,10 @@ void EnergyVolume::hand_on(std::size_t column, int entry, Window window) {
         int receivers = -1;
         for (int e = low; e <= high; ++e) receivers += unmarked(e) ? 1 : 0;
         if (receivers <= 0) return;
-        const float part = energy_at(entry) / static_cast<float>(receivers);
+        const float all = hands_on_edges_ && edges_counted()
+                              ? decode_energy(codes_of(column)[entry]) - energy_at(entry)
+                              : energy_at(entry);
+        const float part = all / static_cast<float>(receivers);
         for (int e = low; e <= high; ++e)
             if (e != entry && unmarked(e)) set(e, energy_at(e) + part);
     };
@@ -197,7 +200,7 @@ void EnergyVolume::hand_on(std::size_t column, int entry, Window window) {
                 if (energies) energies[e] = energy;
             });
     } else {
-        // Edges are not handed on: in the field's run, energies without them stand apart.
+        // In the field's run, energies without edges stand apart.
         const auto* const run = edges_counted() ? &field(column) : nullptr;
         auto* const codes = codes_of(column);
         const auto share_codes = [&](const auto& code) {

@@ -64,6 +64,9 @@ public:
     /// Sets how far remove() hands on the energy of a deleted entry, in entries to both sides; 0:
     /// not at all.
     void set_spread(int entries) { spread_ = entries; }
+    /// Lets remove() hand on the edges that a deletion makes, if they are counted, in place of the
+    /// energy.
+    void hand_on_edges() { hands_on_edges_ = true; }
     int spread() const { return spread_; }
     /// Adds a field, of 0, whose new edges cost something.
     /// @param weight  cost per unit by which the field changes across an edge
@@ -167,7 +170,7 @@ private:
 
     int width_, laterals_, slices_, spread_ = 0;
     std::size_t frames_, stride_;
-    bool closed_, around_;
+    bool closed_, around_, hands_on_edges_ = false;
     FrameStore codes_;
     std::vector<float> sums_;
     std::vector<float> energies_;  ///< sums_ without attraction; only if vertices are attracted

@@ -22,7 +22,7 @@ namespace {
 
 constexpr float default_rigidity =
     0.2f;  ///< with a field; in mean energies of content, of thick seams in mean prices
-constexpr float rigidity_of_frames = 1;  ///< of thin seams of frames
+constexpr float rigidity_of_frames = 2;  ///< of thin seams of frames
 constexpr double least_across =
     1.2;  ///< eddies side by side, from which on seams are thick by default
 constexpr float thin_empty = 0.9f;  ///< default of `empty`
@@ -33,15 +33,14 @@ constexpr double least_share = 1e-4;  ///< below it, no number is given
 /// The prices of steps, in mean energies. Seams of frames have steps in space alone.
 std::array<float, 2> steps_of(const SolverParams& params, float fallback) {
     const float in_space = params.rigidity.value_or(fallback);
-    return {in_space,
-            params.axis == Axis::t ? in_space : params.rigidity_time.value_or(fallback)};
+    return {in_space, params.axis == Axis::t ? in_space : params.rigidity_time.value_or(fallback)};
 }
 
 Prices prices_of(const SolverParams& params, bool forward) {
     // Neighbouring places had better change at the same moment.
-    const float rigid = !forward                   ? 0.0f
+    const float rigid = !forward                 ? 0.0f
                         : params.axis == Axis::t ? rigidity_of_frames
-                                                   : default_rigidity;
+                                                 : default_rigidity;
     return {params.field_weight, params.empty.value_or(thin_empty), steps_of(params, rigid)};
 }
 
@@ -209,6 +208,7 @@ GatheredEnergy::Taken GatheredEnergy::take_unpriced(const SolverParams& params,
     if (params.axis != Axis::t) return out;
     const auto held = out.energy.bytes(), all = budget(limits);
     auto in_time = turned(out.energy, held > all ? 0 : all - held, limits.folder);
+    in_time.hand_on_edges();
     const auto typical = Typical::of(in_time);
     return {std::move(in_time), typical};
 }
@@ -232,7 +232,8 @@ std::optional<Thick> GatheredEnergy::thick_for(const SolverParams& params,
         thickness = std::min(eddies.width, energy.width() / 4);
     }
     if (thickness * finest_ <= 1) return std::nullopt;
-    return Thick{thickness, {params.field_weight, params.empty, steps_of(params, default_rigidity)}};
+    return Thick{thickness,
+                 {params.field_weight, params.empty, steps_of(params, default_rigidity)}};
 }
 
 GatheredEnergy::Searched GatheredEnergy::take(const SolverParams& params, const CarvedSpace& space,

@@ -45,7 +45,7 @@ public:
     }  ///< of the frames that were added
     /// 1, or 2 if the frames came at half size. Then two frames are one, too: their mean.
     int finest() const { return finest_; }
-    bool has_field() const { return forward_; }  ///< whether the frames came with a field
+    bool has_field() const { return forward_; }         ///< whether the frames came with a field
     const MarkCounts& marks() const { return marks_; }  ///< in all frames, before `after` is carved
     /// Requires that some active voxel lies in the lattice of its frame, if there are any.
     /// @throws Failure that says where both are

@@ -62,13 +62,13 @@ std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamTa
     const auto where = in_time        ? std::string("of its frames,")
                        : part.static_ ? "over all frames"
                                       : fmt::format("in frame {}", space.frames()[t]);
-    return fmt::format(
-        "{}window [{}, {}]: {} {}", part.prefix(), window.first, window.last, where,
-        none.at.free == 0 ? fmt::format("{} has no unprotected vertex left", column)
-                          : fmt::format("of the {} vertices left in {} {} {} unprotected, but out "
-                                        "of reach from the columns beside",
-                                        none.at.vertices, column, none.at.free,
-                                        none.at.free == 1 ? "is" : "are"));
+    return fmt::format("{}window [{}, {}]: {} {}", part.prefix(), window.first, window.last, where,
+                       none.at.free == 0
+                           ? fmt::format("{} has no unprotected vertex left", column)
+                           : fmt::format("of the {} vertices left in {} {} {} unprotected, but out "
+                                         "of reach from the columns beside",
+                                         none.at.vertices, column, none.at.free,
+                                         none.at.free == 1 ? "is" : "are"));
 }
 
 std::string why_no_more(const NoSeam& none, const SeamTask& task, const SeamTask::Part& part,

@@ -35,8 +35,7 @@ FoundSeams PartFinder::operator()(const SeamTask::Part& part, int count, const T
         };
     search.memory_budget = memory();
     search.folder = limits_.folder;
-    if (task_.finest > 1)
-        search.full = FullSize{columns_of(task_, space_), task_.size};
+    if (task_.finest > 1) search.full = FullSize{columns_of(task_, space_), task_.size};
     try {
         return find_seams(energy_, part.kind, count, part.window, find_, tick, keep, part.static_,
                           search);

@@ -56,10 +56,9 @@ void require_vertex_left(const SolverParams& params, int size, bool carved) {
     if (params.best_effort || removed < size || !all) return;
     const auto count = text_of(params.count);
     const auto what = [&](bool one) {
-        return params.axis == Axis::t
-                   ? std::string(one ? "frame" : "frames")
-                   : fmt::format("{} along {}{}", one ? "vertex" : "vertices", to_text(params.axis),
-                                 name_of(carved));
+        return params.axis == Axis::t ? std::string(one ? "frame" : "frames")
+                                      : fmt::format("{} along {}{}", one ? "vertex" : "vertices",
+                                                    to_text(params.axis), name_of(carved));
     };
     if (size == 1)
         throw Failure(fmt::format("count {} removes the only {}; none can go", count, what(true)));
@@ -97,8 +96,8 @@ SeamTask task_of(const SolverParams& params, const LatticeForm& form, bool carve
                           bool static_) {
         SeamTask::Part part{pair, kind, {}, static_};
         const bool at_rig = form.around && params.axis != Axis::t;
-        part.window = window_of(part.prefix() + "window", window, params.axis, at_rig ? 1 : 0, size,
-                                carved);
+        part.window =
+            window_of(part.prefix() + "window", window, params.axis, at_rig ? 1 : 0, size, carved);
         // One vertex stays.
         const int room = std::min(room_in(kind, part.window, size, finest),
                                   kind == Seams::Kind::remove ? size - 1 : size);

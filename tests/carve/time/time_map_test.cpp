@@ -46,15 +46,13 @@ float value(const Volume& volume, const Coord& at) {
     return openvdb::gridConstPtrCast<FloatGrid>(volume.grids.front().grid())->tree().getValue(at);
 }
 
-Seams empty_set(Seams::Kind kind) {
-    return no_seams(voxels(), Axis::t, kind, frame_numbers());
-}
+Seams empty_set(Seams::Kind kind) { return no_seams(voxels(), Axis::t, kind, frame_numbers()); }
 
 /// Any seams: entries that no neighbours share.
 Seams random_set(std::mt19937& random, Seams::Kind kind, int count) {
     auto out = empty_set(kind);
-    std::vector<std::vector<std::uint16_t>> entries(
-        static_cast<std::size_t>(count), std::vector<std::uint16_t>(out.columns()));
+    std::vector<std::vector<std::uint16_t>> entries(static_cast<std::size_t>(count),
+                                                    std::vector<std::uint16_t>(out.columns()));
     for (std::size_t c = 0; c < out.columns(); ++c) {
         std::vector<int> all;
         for (int t = 0; t < frame_count; ++t) all.push_back(t);
@@ -179,8 +177,9 @@ TEST_CASE("the frames that a carve leaves are numbered on, and more than there a
     CHECK(left({{2}}, Count{1}, {1, 2, 3}) == std::vector{1, 2, 3, 4});
     CHECK(left({{-2}, true}, {}, {1, 2, 3}) == std::vector{1, 2, 3});
     CHECK(left({{-50, true}}, {}, {1, 2, 3, 4}) == std::vector{1, 2});
-    CHECK(failure_of([&] { left({{-3}}, {}, {1, 2, 3}); }) ==
-          "count -3 takes all of 3 frames; at most 2 can go");
+    CHECK(failure_of([&] {
+              left({{-3}}, {}, {1, 2, 3});
+          }) == "count -3 takes all of 3 frames; at most 2 can go");
     CHECK(failure_of([&] { left({{-1}}, {}, {1, 2, 4}); }) != "");
 }
 

@@ -56,10 +56,11 @@ void require_alike(NodeType solver, const std::string& in_time, const std::strin
                field = with_field ? noise(random, voxels, frames) : Frames();
     const std::array<int, 3> shape{voxels.dim().x(), voxels.dim().y(), voxels.dim().z()};
     const auto found = test::solve(solver, "{axis: t, " + in_time + "}", energy, {test::box(shape)},
-                             field_of(field), frames);
-    const auto wanted = test::solve(std::move(solver), "{" + along_u + "}", in_turn(energy, voxels),
-                              {test::box({static_cast<int>(frames), shape[1], shape[2]})},
-                              field_of(in_turn(field, voxels)), static_cast<std::size_t>(shape[0]));
+                                   field_of(field), frames);
+    const auto wanted =
+        test::solve(std::move(solver), "{" + along_u + "}", in_turn(energy, voxels),
+                    {test::box({static_cast<int>(frames), shape[1], shape[2]})},
+                    field_of(in_turn(field, voxels)), static_cast<std::size_t>(shape[0]));
     const auto &seams = *found.seams, &others = *wanted.seams;
     CHECK(seams.axis == Axis::t);
     CHECK(seams.shape == shape);
@@ -85,11 +86,11 @@ std::string faults_in_time(const std::string& params, std::size_t after = 0) {
 
 }  // namespace
 
-TEST_CASE("seams of frames are those along u of the sequence with time and u exchanged, for all "
-          "solvers") {
-    for (const std::string common :
-         {"count: -2", "count: 2", "count: -1, window: [1, 3]",
-          "count: -1, window: [0, 2], pair_window: [3, 5]"}) {
+TEST_CASE(
+    "seams of frames are those along u of the sequence with time and u exchanged, for all "
+    "solvers") {
+    for (const std::string common : {"count: -2", "count: 2", "count: -1, window: [1, 3]",
+                                     "count: -1, window: [0, 2], pair_window: [3, 5]"}) {
         for (const auto& solver : {seam_pyramid(), seam_greedy(), seam_graph_cut()})
             require_alike(solver, common, common, cells(3, 4, 2), 6, false);
         require_alike(seam_dynamic(), common, common, cells(1, 5, 1), 6, false);
@@ -101,13 +102,14 @@ TEST_CASE("seams of frames are those along u of the sequence with time and u exc
                   "count: 2, rigidity: 3, rigidity_time: 3", cells(3, 3, 2), 5, false);
 }
 
-TEST_CASE("seams of frames pay for the edges in time that they leave, and keep the first and the "
-          "last frame") {
+TEST_CASE(
+    "seams of frames pay for the edges in time that they leave, and keep the first and the "
+    "last frame") {
     for (const auto& solver : {seam_pyramid(), seam_greedy(), seam_graph_cut()})
         require_alike(solver, "count: -2",
-                      "count: -2, rigidity: 1, rigidity_time: 1, window: [1, 5]", cells(4, 4, 3), 7,
+                      "count: -2, rigidity: 2, rigidity_time: 2, window: [1, 5]", cells(4, 4, 3), 7,
                       true);
-    require_alike(seam_pyramid(), "count: 2", "count: 2, rigidity: 1, rigidity_time: 1",
+    require_alike(seam_pyramid(), "count: 2", "count: 2, rigidity: 2, rigidity_time: 2",
                   cells(4, 4, 3), 7, true);
     // Slabs.
     require_alike(seam_pyramid(), "count: -4, thickness: 2",
@@ -124,8 +126,8 @@ TEST_CASE("the pause in a motion is what leaves first") {
         }));
         energy.push_back(energy_grid(cells(5, 4, 3), [](const Coord&) { return 1.0f; }));
     }
-    const auto found = test::solve(seam_pyramid(), "{axis: t, count: -3}", energy, {test::box({5, 4, 3})},
-                             field_of(field), at.size());
+    const auto found = test::solve(seam_pyramid(), "{axis: t, count: -3, spread: 3}", energy,
+                                   {test::box({5, 4, 3})}, field_of(field), at.size());
     REQUIRE(found.seams->seams.size() == 3);
     for (const auto& seam : found.seams->seams)
         for (const int entry : seam.at) {
@@ -150,7 +152,8 @@ TEST_CASE("what seams of frames can't do is refused, with a remedy") {
     std::mt19937 random(1);
     const auto failure = [&](const std::string& yaml) {
         return failure_of([&] {
-            test::solve(seam_pyramid(), yaml, noise(random, cells(2, 2, 1), 4), {test::box({2, 2, 1})}, {}, 4);
+            test::solve(seam_pyramid(), yaml, noise(random, cells(2, 2, 1), 4),
+                        {test::box({2, 2, 1})}, {}, 4);
         });
     };
     CHECK(failure("{axis: t, count: -4}") == "count -4 removes all 4 frames; at most 3 can go");
@@ -166,7 +169,7 @@ TEST_CASE("a place where all frames are protected is told") {
     CHECK_THAT(
         failure_of([&] {
             test::solve(seam_pyramid(), "{axis: t, count: -1}", noise(random, cells(2, 2, 1), 4),
-                  {test::box({2, 2, 1})}, masks, 4);
+                        {test::box({2, 2, 1})}, masks, 4);
         }),
         Catch::Contains("no seam is possible in window [0, 3]: of its frames, vertex (1, 0, 0), at "
                         "(1, 0, 0), has no unprotected vertex left"));

@@ -1,0 +1,162 @@
+#include "tests/support/program.h"
+
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <filesystem>
+
+// `axis: t`, run by the program on a puff of smoke with a mask and points beside it.
+
+using namespace fluidcarve;
+using openvdb::Vec3d;
+
+namespace {
+
+std::string frame_file(const Scratch& scratch, const std::string& name, int frame) {
+    return fmt::format("{}.{:04}.vdb", scratch / name, frame);
+}
+
+/// Writes frames 1 to `last` of a puff that circles, and rests from frame 8 to 13.
+void write_resting(const Scratch& scratch, int last) {
+    openvdb::initialize();
+    for (int frame = 1; frame <= last; ++frame) {
+        const double turn = 2 * M_PI / 40 * (frame <= 8 ? frame : frame <= 13 ? 8 : frame - 5);
+        const Vec3d around = 8.0 * Vec3d(std::cos(turn), std::sin(turn), 0);
+        const auto grid = openvdb::FloatGrid::create();
+        grid->setName("density");
+        const auto count = openvdb::Int32Grid::create();
+        count->setName("count");
+        const auto low = openvdb::Coord::round(around).offsetBy(-9), high = low.offsetBy(18);
+        for (auto at = openvdb::CoordBBox(low, high).begin(); at; ++at)
+            if (const auto value = std::exp(-0.5 * ((*at).asVec3d() - around).lengthSqr() / 8);
+                value > 1e-3) {
+                grid->tree().setValue(*at, static_cast<float>(value));
+                count->tree().setValue(*at, frame);
+            }
+        openvdb::io::File(frame_file(scratch, "puff", frame)).write({grid, count});
+    }
+}
+
+/// A pipeline that carves frames.
+/// @param seams  further fields of the solver
+std::string pipeline(const Scratch& scratch, const std::string& name, const std::string& frames,
+                     const std::string& seams, const std::string& remap = "",
+                     const std::string& more = "") {
+    return scratch.write(
+        name + ".yaml",
+        fmt::format("fluidcarve: 1\nframes: {}\nnodes:\n"
+                    "  sim: {{type: vdb.read, path: {}, grids: {{density: float}}}}\n"
+                    "  edges: {{type: energy.gradient, field: sim.density}}\n"
+                    "  box: {{type: lattice.box, fit: sim.density}}\n"
+                    "  seams: {{type: seam.pyramid, energy: edges, field: sim.density, lattice: "
+                    "box, axis: t, {}}}\n"
+                    "  carved: {{type: remap.grids, source: sim, lattice: box, seams: seams{}}}\n"
+                    "  out: {{type: vdb.write, source: carved, path: {}}}\n{}",
+                    frames, scratch / "puff.####.vdb", seams, remap, scratch / name + ".####.vdb",
+                    more));
+}
+
+Called run(const Scratch& scratch, const std::string& file, const std::string& options = "") {
+    return fluidcarve_program(
+        fmt::format("run {} --progress none --work {} {}", file, scratch / "work", options));
+}
+
+std::string differs(const std::string& a, const std::string& b) {
+    const auto ran = fluidcarve_program(fmt::format("diff {} {}", a, b));
+    return ran.code == 0 ? "" : ran.out + ran.err;
+}
+
+}  // namespace
+
+TEST_CASE("a pause is what leaves a sequence, and all other frames keep their bits") {
+    const Scratch scratch;
+    write_resting(scratch, 21);
+    const auto ran = run(scratch, pipeline(scratch, "shorter", "1-21", "count: -4", ", join: cut"));
+    INFO(ran.err);
+    REQUIRE(ran.code == 0);
+    CHECK_FALSE(std::filesystem::exists(frame_file(scratch, "shorter", 18)));
+    for (int n = 1; n <= 17; ++n) {
+        const auto out = frame_file(scratch, "shorter", n),
+                   in = frame_file(scratch, "puff", n <= 8 ? n : n + 4);
+        CHECK_THAT(fluidcarve_program("diff " + out + " " + in).out,
+                   Catch::Contains("density: the same"));
+    }
+}
+
+TEST_CASE("a sequence becomes as much longer in time as its seams say, whole numbers unmixed") {
+    const Scratch scratch;
+    write_resting(scratch, 12);
+    const auto ran = run(scratch, pipeline(scratch, "longer", "1-12", "count: 25%"));
+    INFO(ran.err);
+    REQUIRE(ran.code == 0);
+    CHECK_FALSE(std::filesystem::exists(frame_file(scratch, "longer", 16)));
+    CHECK(differs(frame_file(scratch, "longer", 1), frame_file(scratch, "puff", 1)) == "");
+    CHECK(differs(frame_file(scratch, "longer", 15), frame_file(scratch, "puff", 12)) == "");
+    for (int n = 1; n <= 15; ++n) {
+        openvdb::io::File file(frame_file(scratch, "longer", n));
+        file.open(false);
+        const auto count = openvdb::gridPtrCast<openvdb::Int32Grid>(file.readGrid("count"));
+        for (auto value = count->cbeginValueOn(); value; ++value)
+            REQUIRE((*value >= 1 && *value <= 12));
+    }
+}
+
+TEST_CASE("seams of frames that were kept carve what fewer would, in parts as in one run") {
+    const Scratch scratch;
+    write_resting(scratch, 12);
+    const auto kept =
+        "  kept: {type: seams.write, seams: seams, path: " + (scratch / "seams.vdb") + "}\n";
+    REQUIRE(run(scratch, pipeline(scratch, "all", "1-12", "count: -3", "", kept)).code == 0);
+    REQUIRE(run(scratch, pipeline(scratch, "two", "1-12", "count: -2")).code == 0);
+    const auto read = scratch.write(
+        "read.yaml",
+        fmt::format("fluidcarve: 1\nframes: 1-12\nnodes:\n"
+                    "  sim: {{type: vdb.read, path: {}, grids: {{density: float}}}}\n"
+                    "  box: {{type: lattice.box, fit: sim.density}}\n"
+                    "  seams: {{type: seams.read, path: {}}}\n"
+                    "  carved: {{type: remap.grids, source: sim, lattice: box, seams: seams, "
+                    "count: -2}}\n"
+                    "  out: {{type: vdb.write, source: carved, path: {}}}\n",
+                    scratch / "puff.####.vdb", scratch / "seams.vdb", scratch / "read.####.vdb"));
+    REQUIRE(run(scratch, read).code == 0);
+    CHECK(differs(scratch / "two.####.vdb", scratch / "read.####.vdb") == "");
+    for (const auto* const part : {"1-4", "5-10"}) {
+        const auto ran = run(scratch, pipeline(scratch, "parts", "1-12", "count: -2"),
+                             fmt::format("-f {} --no-cache --threads 1", part));
+        INFO(ran.err);
+        REQUIRE(ran.code == 0);
+    }
+    CHECK(differs(scratch / "two.####.vdb", scratch / "parts.####.vdb") == "");
+}
+
+TEST_CASE("what can't take seams of frames, and what they can't do, is told before a run") {
+    const Scratch scratch;
+    write_resting(scratch, 6);
+    const auto said = [&](const std::string& frames, const std::string& seams,
+                          const std::string& remap = "", const std::string& more = "") {
+        const auto ran =
+            fluidcarve_program("check " + pipeline(scratch, "wrong", frames, seams, remap, more));
+        CHECK(ran.code == 2);
+        return ran.err;
+    };
+    CHECK_THAT(said("1-6", "count: -6"),
+               Catch::Contains("wrong.yaml:8:3: count -6 takes all of 6 frames; at most 5 can go"));
+    CHECK_THAT(said("1-3,5-6", "count: -1"),
+               Catch::Contains("all frames are needed, but between 3 and 5 some are left out"));
+    CHECK_THAT(said("1-6", "count: -1", ", join: squeeze"),
+               Catch::Contains("frames can't be squeezed: state `join: fade` or `cut`"));
+    CHECK_THAT(said("1-6", "count: -1", "",
+                    "  thin: {type: seam.greedy, energy: edges, lattice: box, count: -1}\n"
+                    "  both: {type: remap.grids, source: sim, lattice: box, seams: [thin, "
+                    "seams]}\n"),
+               Catch::Contains("takes seams of frames (`axis: t`) alone"));
+    CHECK_THAT(
+        said("1-6", "count: -1", "",
+             "  smooth: {type: filter.seam, source: sim, lattice: box, seams: seams}\n"),
+        Catch::Contains("filter.seam input 'seams' takes 'seams', but these are seams of frames "
+                        "(`axis: t`), which only remap.grids carves and seams.write writes"));
+    CHECK_THAT(said("1-6", "count: -1, best_effort: true"),
+               Catch::Contains("the number of frames must be known before the run"));
+}
