@@ -2,7 +2,6 @@
 
 #include "graph/text/value.h"
 
-#include <cstddef>
 #include <string>
 
 namespace fluidcarve {

@@ -19,6 +19,7 @@ public:
     OutlookOf(std::size_t index, const Pipeline& pipeline, const Known& known, Outlooks& said)
         : index_(index), said_(said) {
         const auto& node = pipeline.nodes[index];
+        frames_ = node.taken.frames().size();
         once_ = node.rate != Rate::frame && node.taken.frames().size() > 1;
         for (std::size_t i = 0; i < node.inputs.size(); ++i) {
             const auto& links = node.inputs[i];
@@ -42,6 +43,7 @@ public:
         return found != inputs_.end() ? found->second.facts : none;
     }
     bool once() const override { return once_; }
+    std::size_t frames() const override { return frames_; }
     void lies(const Region& region) override { outputs = region; }
     void tell(const OutputFacts& told) override { facts = told; }
     void warn(const std::string& message) override { said_.warnings.push_back({index_, message}); }
@@ -82,6 +84,7 @@ private:
 
     std::size_t index_;
     bool once_ = false;
+    std::size_t frames_ = 0;
     Outlooks& said_;
     std::map<std::string, Input, std::less<>> inputs_;  ///< connected ones
 };

@@ -25,7 +25,6 @@
 #include <openvdb/tools/Morphology.h>
 
 #include <array>
-#include <cstdlib>
 #include <limits>
 #include <utility>
 #include <vector>

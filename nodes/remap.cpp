@@ -13,6 +13,7 @@
 #include "carve/remap/joining.h"
 #include "carve/remap/seam_filter.h"
 #include "carve/seam/carve_map.h"
+#include "carve/time/frames_carved.h"
 #include "carve/time/time_map.h"
 #include "graph/types/node_type.h"
 #include "nodes/params/carve_inputs.h"
@@ -105,6 +106,11 @@ struct RemapGrids : RemapNode {
     }
     static void foresee(const Params& params, Outlook& ahead) {
         if (!params.in_time) return RemapNode::foresee(params, ahead);
+        if (const auto idle = without_effect(params); !idle.empty())
+            ahead.fault(
+                fmt::format("'{}' has no effect on seams of frames (`axis: t`), which move "
+                            "nothing within a frame: leave it out",
+                            idle));
         if (ahead.told("seams").size() > 1)
             ahead.fault(
                 "takes seams of frames (`axis: t`) alone: carve them by a node of their own, and "
@@ -114,6 +120,16 @@ struct RemapGrids : RemapNode {
         } catch (const Failure& failure) {
             ahead.fault(failure.what());
         }
+    }
+
+    /// A parameter that is stated for nothing if frames are carved; empty: none.
+    static std::string without_effect(const Params& params) {
+        return params.interpolation != Interpolation::linear ? "interpolation"
+               : params.renormalize                          ? "renormalize"
+               : params.conserve != Conserve::none           ? "conserve"
+               : params.transform_vectors                    ? "transform_vectors"
+               : params.rim != Rim::cut                      ? "rim"
+                                                             : "";
     }
 
     void add(const Params&, const Ports& io, Context& context) {
@@ -138,6 +154,11 @@ struct RemapGrids : RemapNode {
     void run(const Params& params, Ports& io, Context& context) const {
         if (in_time_) {
             const auto n = std::ranges::lower_bound(frames_, context.frame()) - frames_.begin();
+            if (n == std::ssize(frames_) || frames_[static_cast<std::size_t>(n)] != context.frame())
+                throw Failure(
+                    fmt::format("there is no such frame: some of the source are missing, and the "
+                                "carve leaves {}; let `missing: hold` of the reader fill them",
+                                FrameSet(frames_).text()));
             io.volume = std::make_shared<Volume>(in_time_->frame(source_, static_cast<int>(n)));
             return;
         }
@@ -187,9 +208,8 @@ NodeType remap_grids() {
                 "Seams or a warp, or a list of them in the order of carving. Or one set of seams "
                 "of frames (`axis: t` of its solver): then the sequence gets shorter or longer, "
                 "and what follows this node has the new frames. Of the parameters, only "
-                "`count`, `join` and `fade`, in frames, then matter. All but the places that "
-                "just change from one frame to another are bit for bit those of a frame of the "
-                "source; points go over one by one.")
+                "`count`, `join` and `fade`, in frames, then matter. With `join: cut` all is bit "
+                "for bit that of a frame of the source. Points go over one by one.")
             .param("count", &RemapGrids::Params::count, Unit::seams, any_number(), count_doc)
             .param("interpolation", &RemapGrids::Params::interpolation,
                    "How values are read between voxels, if the lattice's vertices are not voxels.")

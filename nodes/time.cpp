@@ -11,8 +11,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -256,7 +254,7 @@ NodeType time_loop() {
                 "by one, by their `id` if they have one. Whole numbers and masks are those of the "
                 "nearer side.")
         .names_as("volume", "source")
-        .version(3)
+        .version(4)
         .kept();
 }
 

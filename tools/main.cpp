@@ -1,6 +1,6 @@
 #include "nodes/catalogue.h"
-#include "runtime/run/run.h"
 #include "runtime/tell/breakdown.h"
+#include "runtime/tell/exit_codes.h"
 #include "tools/verbs/commands.h"
 
 #include <fcntl.h>

@@ -8,7 +8,6 @@
 #include <openvdb/tree/LeafManager.h>
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <mutex>

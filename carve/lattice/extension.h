@@ -4,7 +4,6 @@
 #include "carve/lattice/overlap.h"
 
 #include <cstddef>
-#include <optional>
 #include <string>
 
 namespace fluidcarve {

@@ -9,10 +9,8 @@
 #include <openvdb/math/BBox.h>
 #include <openvdb/math/Coord.h>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>

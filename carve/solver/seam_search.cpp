@@ -22,6 +22,7 @@ void SeamSearch::add(const Ref<Lattice>& lattice, const FrameGrids& grids) {
 
 Ref<Seams> SeamSearch::find(const Tick& tick) {
     const std::vector<Ref<Seams>> before;
+    wish_ = params_for(wish_, gathered_.has_field(), frames_.size());
     const CarvedSpace space(gathered_.lattices(), before, frames_);
     const int finest = gathered_.finest();
     const auto task = task_of(wish_, space, finest);

@@ -3,7 +3,6 @@
 #include "carve/base/failure.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <istream>

@@ -4,7 +4,6 @@
 
 #include <openvdb/Grid.h>
 
-#include <cstdint>
 #include <span>
 #include <vector>
 

@@ -2,10 +2,6 @@
 
 #include "carve/base/values.h"
 
-#include <cstdint>
-#include <istream>
-#include <ostream>
-
 namespace fluidcarve {
 
 /// How what a frame holds is written and read bit for bit. Specialised with

@@ -11,6 +11,7 @@
 #include <openvdb/tools/Composite.h>
 #include <openvdb/tools/GridTransformer.h>
 #include <openvdb/tools/Interpolation.h>
+#include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/Prune.h>
 #include <openvdb/tools/ValueTransformer.h>
 #include <openvdb/tree/LeafManager.h>
@@ -103,6 +104,11 @@ typename GridT::ConstPtr grid_between(const GridT* a, const GridT* b, double sha
     return out;
 }
 
+/// Activates what lies inside of a level set, down to voxels.
+void activate_inside(FloatGrid& grid, const FloatGrid& of) {
+    grid.tree().topologyUnion(openvdb::tools::sdfInteriorMask(of)->tree());
+}
+
 /// A float or vector grid of two frames, of which one may be null: then the other fades.
 template <class GridT>
 typename GridT::ConstPtr grid_mixed(const GridT* a, const GridT* b,
@@ -111,6 +117,12 @@ typename GridT::ConstPtr grid_mixed(const GridT* a, const GridT* b,
     const auto out = first.deepCopy();
     const bool alike = a && b && a->transform() == b->transform();
     if (alike) out->topologyUnion(*b);
+    if constexpr (std::is_same_v<GridT, FloatGrid>)
+        // Beyond the narrow bands, the sign alone tells the sides apart.
+        if (alike && first.getGridClass() == openvdb::GRID_LEVEL_SET) {
+            activate_inside(*out, *a);
+            activate_inside(*out, *b);
+        }
     out->tree().voxelizeActiveTiles();
     using Value = typename GridT::ValueType;
     using Element = typename openvdb::VecTraits<Value>::ElementType;
@@ -279,9 +291,8 @@ Volume volume_between(const Volume& a, const Volume& b, double share, const Vect
         });
 }
 
-Volume volume_mixed(const Volume& a, const Volume& b,
-                    const std::function<double(const openvdb::Vec3d&)>& share,
-                    const Volume& nearer) {
+Volume volume_mixed(const Volume& a, const Volume& b, const ShareAt& share, const Volume& nearer,
+                    const ShareAt& of_points) {
     return paired(
         a, b, nearer, [&](const auto* old, const auto* now) { return grid_mixed(old, now, share); },
         [&](const openvdb::GridBase::ConstPtr& old, const openvdb::GridBase::ConstPtr& now) {
@@ -305,7 +316,7 @@ Volume volume_mixed(const Volume& a, const Volume& b,
             });
         },
         [&](const Points& old, const Points& now) {
-            return points_mixed(old, now, share, &nearer == &a ? old : now);
+            return points_mixed(old, now, of_points ? of_points : share, &nearer == &a ? old : now);
         });
 }
 

@@ -29,13 +29,16 @@ struct ChoiceNames<Transport> {
 Volume volume_between(const Volume& a, const Volume& b, double share, const VectorGrid* motion,
                       Transport transport);
 
+/// A share, from 0 to 1, at a world position.
+using ShareAt = std::function<double(const openvdb::Vec3d&)>;
+
 /// The volume of two, by a share of the second that differs from place to place. Points as
 /// points_mixed(); whole numbers, doubles and masks are those of the nearer one, voxel by voxel.
-/// @param share   at a world position, from 0 to 1
-/// @param nearer  `a` or `b`: of what can't be taken voxel by voxel
-Volume volume_mixed(const Volume& a, const Volume& b,
-                    const std::function<double(const openvdb::Vec3d&)>& share,
-                    const Volume& nearer);
+/// @param share      of the second
+/// @param nearer     `a` or `b`: of what can't be taken voxel by voxel
+/// @param of_points  the same share for points; null: it is the same
+Volume volume_mixed(const Volume& a, const Volume& b, const ShareAt& share, const Volume& nearer,
+                    const ShareAt& of_points = nullptr);
 
 /// Multiplies velocities by a number, where time goes faster: the grids of a name, which may be
 /// empty, and those of points.

@@ -1,6 +1,5 @@
 #include "carve/time/mesh_between.h"
 
-#include <algorithm>
 #include <cstddef>
 
 namespace fluidcarve {

@@ -10,8 +10,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
-#include <tuple>
 #include <unordered_map>
 #include <utility>
 #include <vector>

@@ -4,30 +4,16 @@
 #include "carve/time/between.h"
 
 #include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdlib>
-#include <map>
 #include <numbers>
+#include <span>
 #include <utility>
 
 namespace fluidcarve {
-
-std::vector<int> FramesCarved::left(const Auto<Count>& used, const std::vector<int>& frames) const {
-    const int size = static_cast<int>(frames.size()), all = count.of(size),
-              most = used ? std::abs(used->of(size)) : std::abs(all),
-              by = paired ? 0 : std::clamp(all, -most, most);
-    if (size + by < 1)
-        throw Failure(fmt::format("count {} takes all of {} frames; at most {} can go",
-                                  text_of(count), size, size - 1));
-    const int step = step_of(frames);
-    std::vector<int> out;
-    for (int n = 0; n < size + by; ++n) out.push_back(frames.front() + step * n);
-    return out;
-}
 
 namespace {
 
@@ -46,12 +32,24 @@ const Lattice& required(const Seams& seams, const Lattice& lattice) {
     if (!seams.in_time())
         throw Failure("the seams are not seams of frames: they were found along " +
                       to_text(seams.axis));
-    for (std::size_t t = 0; t < seams.frames.size(); ++t)
-        if (seams.lattice_hash_at(t) != lattice.hash)
-            throw Failure(fmt::format(
-                "the seams were found in another lattice: theirs is a {}, this one a {}",
-                seams.lattice, lattice.description));
+    bool same = seams.shape == lattice.shape && seams.closed == lattice.closed &&
+                seams.around == lattice.around;
+    for (std::size_t t = 0; t < seams.frames.size() && same; ++t)
+        same = seams.lattice_hash_at(t) == lattice.hash;
+    if (!same)
+        throw Failure(
+            fmt::format("the seams were found in another lattice: theirs is a {}, this one a {}",
+                        seams.lattice, lattice.description));
     return lattice;
+}
+
+/// Shares of the moments around one, of which neighbours add up to 1: a raised cosine.
+/// @return `2 fade - 1` of them, the middle one that of the moment itself
+std::vector<float> weights_of(int fade) {
+    std::vector<float> out;
+    for (int m = 1 - fade; m < fade; ++m)
+        out.push_back(static_cast<float>((1 + std::cos(std::numbers::pi * m / fade)) / (2 * fade)));
+    return out;
 }
 
 }  // namespace
@@ -71,70 +69,93 @@ TimeMap::TimeMap(const Seams& seams, const Lattice& lattice, std::size_t count, 
     for (std::size_t i = 0; i < seams.layers(); ++i) steps_.emplace_back(turned, i, count);
 }
 
-int TimeMap::source_of(std::size_t i, int j, int k, int n) const {
-    n = std::clamp(n, 0, frames_ - 1);
+int TimeMap::source_of(std::size_t vertex, int n) const {
+    const auto laterals = static_cast<std::size_t>(shape_[1]),
+               layer = laterals * static_cast<std::size_t>(shape_[2]), column = vertex % layer;
     // A frame that is shown again stands between two; it is the one before.
-    const int halves = steps_[i].displacement(n, j, k);
+    const int halves = steps_[vertex / layer].displacement(n, static_cast<int>(column % laterals),
+                                                           static_cast<int>(column / laterals));
     return std::clamp(n + static_cast<int>(std::floor(0.5 * halves)), 0, source_frames_ - 1);
 }
 
 std::vector<TimeMap::Seen> TimeMap::seen(int n) const {
-    // Raised cosine: the shares of neighbouring moments add up to 1.
-    std::vector<float> weights;
-    for (int m = 1 - fade_; m < fade_; ++m)
-        weights.push_back(
-            static_cast<float>((1 + std::cos(std::numbers::pi * m / fade_)) / (2 * fade_)));
-    const auto [width, laterals, slices] = shape_;
-    const auto layer = static_cast<std::size_t>(laterals) * static_cast<std::size_t>(slices),
-               columns = static_cast<std::size_t>(width) * layer;
-    std::map<int, std::size_t> whole;  // how many vertices show an offset
-    const auto offset_of = [&](std::size_t column, int m) {
-        const auto i = column / layer;
-        const int j = static_cast<int>(column % layer) % laterals,
-                  k = static_cast<int>(column % layer) / laterals,
-                  at = std::clamp(n + m, 0, frames_ - 1);
-        return source_of(i, j, k, at) - at;
+    // The first and the last frame stay as they are.
+    const int fade = std::min({fade_, n + 1, frames_ - n});
+    const auto weights = weights_of(fade);
+    const auto vertices = static_cast<std::size_t>(shape_[0]) *
+                          static_cast<std::size_t>(shape_[1]) * static_cast<std::size_t>(shape_[2]);
+    const auto places = static_cast<std::size_t>(source_frames_);
+    /// Of each place in the source, how many vertices show it now, and whether any does soon.
+    struct Count {
+        std::vector<std::size_t> now;
+        std::vector<char> soon;
     };
-    std::map<int, Seen> out;
-    for (std::size_t c = 0; c < columns; ++c) {
-        ++whole[offset_of(c, 0)];
-        for (int m = 1 - fade_; m < fade_; ++m) {
-            const int place = std::clamp(n + offset_of(c, m), 0, source_frames_ - 1);
-            auto& seen = out[place];
-            if (seen.share.empty()) seen = {place, std::vector<float>(columns)};
-            seen.share[c] += weights[static_cast<std::size_t>(m + fade_ - 1)];
+    const auto place_at = [&](std::size_t vertex, int m) {
+        const int at = n + m;
+        return static_cast<std::size_t>(
+            std::clamp(n + source_of(vertex, at) - at, 0, source_frames_ - 1));
+    };
+    tbb::enumerable_thread_specific<Count> counts([&] {
+        return Count{std::vector<std::size_t>(places), std::vector<char>(places)};
+    });
+    const auto each = [&](const auto& visit) {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 4096),
+                          [&](const tbb::blocked_range<std::size_t>& range) {
+                              for (auto c = range.begin(); c < range.end(); ++c) visit(c);
+                          });
+    };
+    each([&](std::size_t c) {
+        auto& count = counts.local();
+        ++count.now[place_at(c, 0)];
+        for (int m = 1 - fade; m < fade; ++m) count.soon[place_at(c, m)] = 1;
+    });
+    std::vector<Seen> out;
+    std::vector<std::size_t> index(places);
+    std::size_t before = 0;
+    for (std::size_t place = 0; place < places; ++place) {
+        std::size_t now = 0;
+        bool soon = false;
+        for (const auto& count : counts) {
+            now += count.now[place];
+            soon = soon || count.soon[place] != 0;
         }
+        if (!soon) continue;
+        index[place] = out.size();
+        out.push_back({static_cast<int>(place), std::vector<float>(vertices), 0});
+        // Of the places that the vertices show, the middle one.
+        if (before <= vertices / 2 && before + now > vertices / 2) out.back().outside = 1;
+        before += now;
     }
-    const int most =
-        std::ranges::max_element(whole, {}, &std::pair<const int, std::size_t>::second)->first;
-    out.at(std::clamp(n + most, 0, source_frames_ - 1)).outside = 1;
-    std::vector<Seen> all;
-    for (auto& [place, seen] : out) all.push_back(std::move(seen));
-    return all;
+    each([&](std::size_t c) {
+        for (int m = 1 - fade; m < fade; ++m)
+            out[index[place_at(c, m)]].share[c] += weights[static_cast<std::size_t>(m + fade - 1)];
+    });
+    return out;
 }
 
-float TimeMap::share_at(const Seen& seen, const openvdb::Vec3d& world) const {
+std::optional<TimeMap::Corners> TimeMap::corners_at(const openvdb::Vec3d& world,
+                                                    bool nearest) const {
     const auto located =
         mapping_.slabs() ? mapping_.locate(world) : std::optional(mapping_.coordinates(world));
-    if (!located) return seen.outside;
+    if (!located) return std::nullopt;
     const std::array closes{false, around_, closed_};
     std::array<std::size_t, 3> low{}, high{};
     std::array<float, 3> part{};
     for (int d = 0; d < 3; ++d) {
         const auto n = static_cast<std::size_t>(d);
         const int last = shape_[n] - 1;
-        const double at = closes[n] ? (*located)[d] : std::clamp((*located)[d], 0.0, double(last));
-        const int below = static_cast<int>(fade_ > 1 ? std::floor(at) : std::floor(at + 0.5));
+        const double at = std::clamp((*located)[d], 0.0, closes[n] ? last + 1.0 : last);
+        const int below = static_cast<int>(std::floor(nearest ? at + 0.5 : at));
         const auto vertex = [&](int of) {
-            return static_cast<std::size_t>(of > last ? closes[n] ? of - last - 1 : last : of);
+            return static_cast<std::size_t>(of <= last ? of : closes[n] ? of - last - 1 : last);
         };
         low[n] = vertex(below);
         high[n] = vertex(below + 1);
-        part[n] = fade_ > 1 ? static_cast<float>(at - below) : 0;
+        part[n] = nearest ? 0 : static_cast<float>(at - below);
     }
     const auto laterals = static_cast<std::size_t>(shape_[1]),
                slices = static_cast<std::size_t>(shape_[2]);
-    float out = 0;
+    Corners out{};
     for (std::size_t corner = 0; corner < 8; ++corner) {
         float weight = 1;
         std::array<std::size_t, 3> at{};
@@ -143,7 +164,8 @@ float TimeMap::share_at(const Seen& seen, const openvdb::Vec3d& world) const {
             at[n] = above ? high[n] : low[n];
             weight *= above ? part[n] : 1 - part[n];
         }
-        if (weight > 0) out += weight * seen.share[(at[0] * slices + at[2]) * laterals + at[1]];
+        out.vertex[corner] = (at[0] * slices + at[2]) * laterals + at[1];
+        out.weight[corner] = weight;
     }
     return out;
 }
@@ -153,16 +175,28 @@ Volume TimeMap::frame(const Sequence& source, int n) const {
     auto out = source.at(static_cast<std::size_t>(all.front().place)).volume;
     for (std::size_t last = 1; last < all.size(); ++last) {
         const auto next = source.at(static_cast<std::size_t>(all[last].place)).volume;
+        // Shares of the places before this one, together, and of this one.
+        const auto shares = [&](const openvdb::Vec3d& world) {
+            const auto corners = corners_at(world, fade_ == 1);
+            std::array<float, 2> sums{};
+            for (std::size_t m = 0; m <= last; ++m) {
+                float share = corners ? 0 : all[m].outside;
+                for (std::size_t c = 0; corners && c < 8; ++c)
+                    if (corners->weight[c] > 0)
+                        share += corners->weight[c] * all[m].share[corners->vertex[c]];
+                sums[m == last ? 1 : 0] += share;
+            }
+            return sums;
+        };
         out = volume_mixed(
             out, next,
             [&](const openvdb::Vec3d& world) {
-                // Of those so far and this one.
-                float before = 0;
-                for (std::size_t m = 0; m < last; ++m) before += share_at(all[m], world);
-                const float share = share_at(all[last], world);
-                return share > 0 ? share / (before + share) : 0.0;
+                const auto [before, now] = shares(world);
+                return now > 0 ? now / (before + now) : 0.0;
             },
-            all[last].outside > 0 ? next : out);
+            all[last].outside > 0 ? next : out,
+            // A point changes its place in the source where the shares before reach its own number.
+            [&](const openvdb::Vec3d& world) { return 1.0 - shares(world)[0]; });
     }
     return out;
 }

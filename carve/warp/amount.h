@@ -3,7 +3,6 @@
 #include "carve/base/values.h"
 
 #include <array>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>

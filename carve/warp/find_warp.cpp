@@ -13,7 +13,6 @@
 #include <limits>
 #include <memory>
 #include <span>
-#include <utility>
 
 namespace fluidcarve {
 

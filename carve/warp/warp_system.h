@@ -4,9 +4,7 @@
 #include "carve/seam/warp.h"
 #include "carve/seam/window.h"
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <vector>
 

@@ -5,8 +5,6 @@
 #include "carve/solver/costs/prices.h"
 #include "carve/solver/costs/volume.h"
 
-#include <cstdint>
-
 namespace fluidcarve {
 
 /// How stiff a vertex is against squeezing and shearing (METHOD 11 "Weights").

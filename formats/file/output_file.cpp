@@ -4,6 +4,7 @@
 #include "formats/file/confinement.h"
 
 #include <fmt/format.h>
+#include <csignal>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -12,7 +13,6 @@
 #include <atomic>
 #include <cerrno>
 #include <charconv>
-#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>

@@ -5,9 +5,7 @@
 #include <glob.h>
 #include <algorithm>
 #include <charconv>
-#include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <utility>
 
 namespace fluidcarve {

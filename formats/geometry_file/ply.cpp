@@ -6,10 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <cstring>
-#include <limits>
-#include <type_traits>
 
 namespace fluidcarve {
 

@@ -3,7 +3,6 @@
 #include "carve/base/numbers.h"
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>

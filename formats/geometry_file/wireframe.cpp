@@ -1,6 +1,5 @@
 #include "formats/geometry_file/wireframe.h"
 
-#include "carve/base/failure.h"
 #include "carve/lattice/lattice.h"
 #include "formats/file/output_file.h"
 #include "formats/geometry_file/provenance_comments.h"

@@ -7,9 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
-#include <vector>
 
 namespace fluidcarve {
 

@@ -1,7 +1,5 @@
 #include "formats/image/upright.h"
 
-#include <algorithm>
-
 namespace fluidcarve {
 
 using openvdb::Coord;

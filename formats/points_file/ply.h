@@ -5,10 +5,7 @@
 
 #include <openvdb/Types.h>
 
-#include <cstddef>
 #include <string>
-#include <string_view>
-#include <vector>
 
 namespace fluidcarve {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "carve/seam/seams.h"
-#include "carve/time/time_map.h"
+#include "carve/time/frames_carved.h"
 #include "carve/volume/volume.h"
 #include "formats/file/provenance.h"
 
@@ -11,10 +11,10 @@
 namespace fluidcarve {
 
 /// Converts seams to the volume that a seam file holds. Each seam, in order, is a FloatGrid
-/// `seam.0000`, and so on: its value at `(lateral, slice, t)`, of seams of frames at `(i, j, k)`, is
-/// the seam's entry, and all columns are active. Grid metadata: `kind` and `energy`. Pairs have a
-/// second grid each, `seam.0000.pair`. A warp has the grids of grids_of_warp() instead. Volume
-/// metadata: seam_texts() and, as `fluidcarve_checksum`, seam_checksum().
+/// `seam.0000`, and so on: its value at `(lateral, slice, t)` is the seam's entry, of seams of
+/// frames that at `(i, j, k)`, and all columns are active. Grid metadata: `kind` and `energy`.
+/// Pairs have a second grid each, `seam.0000.pair`. A warp has the grids of grids_of_warp()
+/// instead. Volume metadata: seam_texts() and, as `fluidcarve_checksum`, seam_checksum().
 Volume seams_to_volume(const Seams& seams);
 
 /// Converts such a volume back to seams, or a warp. Does not check that neighbouring entries are

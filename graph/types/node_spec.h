@@ -12,7 +12,6 @@
 #include "graph/types/survey.h"
 
 #include <any>
-#include <concepts>
 #include <functional>
 #include <map>
 #include <memory>

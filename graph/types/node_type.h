@@ -229,7 +229,8 @@ public:
         std::ranges::find(type_.inputs, input, &InputSpec::name)->learn =
             [member](const void* params, const std::any& promised) {
                 const auto out = std::make_shared<Params>(*static_cast<const Params*>(params));
-                (*out).*member = std::any_cast<T>(promised);
+                // Another promise than this input knows is none to it.
+                if (const auto* const known = std::any_cast<T>(&promised)) (*out).*member = *known;
                 return std::shared_ptr<const void>(out);
             };
         return *this;

@@ -2,6 +2,7 @@
 
 #include "carve/base/region.h"
 
+#include <cstddef>
 #include <functional>
 #include <map>
 #include <string>
@@ -25,6 +26,7 @@ public:
     virtual const std::vector<OutputFacts>& told(std::string_view input) const = 0;
     /// Whether the node runs once for several frames.
     virtual bool once() const = 0;
+    virtual std::size_t frames() const = 0;  ///< number of those that its inputs have
 
     /// Says where all outputs will lie; without a call they lie where all inputs lie together.
     virtual void lies(const Region& region) = 0;

@@ -68,8 +68,6 @@ std::string to_text(Unit unit) {
         case Unit::vertices: return "vertices";
         case Unit::seams: return "seams";
         case Unit::frames: return "frames";
-        case Unit::per_world: return "1/world unit";
-        case Unit::world_per_second: return "world units per second";
         case Unit::pixels: return "pixels";
     }
     return "";

@@ -4,8 +4,6 @@
 #include "formats/file/path_pattern.h"
 #include "graph/text/value.h"
 
-#include <array>
-#include <cstdint>
 #include <limits>
 #include <map>
 #include <optional>
@@ -36,17 +34,7 @@ struct WrittenPath : PathPattern {
 using WrittenPaths = std::map<std::string, WrittenPath>;
 
 /// The unit of a parameter, shown in the reference.
-enum class Unit {
-    none,
-    world,
-    voxels,
-    vertices,
-    seams,
-    frames,
-    per_world,
-    world_per_second,
-    pixels
-};
+enum class Unit { none, world, voxels, vertices, seams, frames, pixels };
 std::string to_text(Unit unit);
 
 /// Inclusive bounds of each number in a parameter's value.

@@ -7,7 +7,6 @@
 
 #include <bit>
 #include <limits>
-#include <string_view>
 
 namespace fluidcarve {
 

@@ -9,7 +9,6 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>

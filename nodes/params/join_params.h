@@ -18,10 +18,11 @@ Declare<Node>& declare_join(Declare<Node>& node) {
                "the seam. All else moves by whole vertices and keeps its shape. squeeze: the space "
                "around the seam is squeezed or stretched. cut: whole vertices are taken and added, "
                "as in classical seam carving. Meshes are always squeezed, and whole numbers never "
-               "blended. auto is fade for thick seams, squeeze for thin ones. A warp is smooth by "
-               "itself, and stays as it is.")
+               "blended. auto is fade for thick seams and for seams of frames, squeeze for other "
+               "thin ones. A warp is smooth by itself, and stays as it is.")
         .param("fade", &JoinParams::fade, Unit::vertices, between(1, 10000),
-               "For `join: fade`: the width of the blend. auto is 1.2 thicknesses of the seams.")
+               "For `join: fade`: the width of the blend. auto is 1.2 thicknesses of the seams; of "
+               "seams of frames 4 frames, of thick ones 2.")
         .param(
             "soft", &JoinParams::soft, Unit::vertices, between(0, 1000),
             "For `join: squeeze`: how far the space on both sides of a seam is squeezed or "

@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
-
 namespace fluidcarve {
 
 using openvdb::Coord;

@@ -2,9 +2,6 @@
 
 #include "graph/types/registry.h"
 
-#include <string>
-#include <vector>
-
 namespace fluidcarve {
 
 /// Registers how inputs take one grid of a volume by its name, `node.name` (Selection): as a float

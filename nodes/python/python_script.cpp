@@ -1,7 +1,6 @@
 #include "nodes/python/python_script.h"
 
 #include "carve/base/limits.h"
-#include "carve/base/words.h"
 #include "formats/file/confinement.h"
 #include "graph/types/context.h"
 #include "graph/types/node_check.h"

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include <sys/types.h>
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <string>

@@ -49,8 +49,8 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param("window", &Params::window, Unit::vertices, any_number(),
                "First and last vertex along the axis that seams may take, or shares, [0%, 50%], "
                "which hold for any spacing; auto is all vertices, but for vertex 0 of a lattice "
-               "around its rig, where all columns meet, and, with a `field`, for the first and the "
-               "last frame, which only crop the shot when they leave.")
+               "around its rig, where all columns meet. With a `field`, removals of frames leave "
+               "the first and the last one, too: else they would only crop the shot.")
         .param("pair_window", &Params::pair_window, Unit::vertices, any_number(),
                "A second window, above the first. Each seam then comes with one of the opposite "
                "kind in this window: only the content between the two moves, and the size stays. "
@@ -101,7 +101,7 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param("rigidity", &Params::rigidity, Unit::none, at_least(0),
                "Cost of each step of a seam from a column to its neighbour in space, in mean "
                "energies of the content. More keeps seams straighter. Reported energies include "
-               "it. auto is 0.2 with a `field`, 2 for thin seams of frames, 0 without.")
+               "it. auto is 0 without a `field`; with one 0.2, for thin seams of frames 2.")
         .param("rigidity_time", &Params::rigidity_time, Unit::none, at_least(0),
                "The same from frame to frame. More keeps seams steadier.")
         .param(

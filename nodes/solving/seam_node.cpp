@@ -29,12 +29,12 @@ std::string half_size_note(const CarvedSpace& space) {
 void SeamNode::foresee(const Params& params, Outlook& ahead) {
     if (params.count.value == 0) return;
     warn_of_placement(ahead);
-    const auto form = form_told(ahead);
-    // How many frames there are, the first of them tells.
-    if (params.axis == Axis::t) return;
-    if (form.shape[dimension(params.axis)] == 0 || !ahead.told("after").empty()) return;
+    auto form = form_told(ahead);
+    form.frames = static_cast<int>(ahead.frames());
+    const bool known = params.axis == Axis::t || form.shape[dimension(params.axis)] > 0;
+    if (!known || !ahead.told("after").empty()) return;
     try {
-        task_of(params, form, false);
+        task_of(params_for(params, !ahead.told("field").empty(), ahead.frames()), form, false);
     } catch (const Failure& failure) {
         ahead.fault(failure.what());
     }
@@ -52,7 +52,8 @@ std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports&
     if (context.place() == 0) {
         auto form = io.lattice->form();
         form.frames = static_cast<int>(context.frames().size());
-        if (io.after.empty()) task_of(params, form, false);
+        if (io.after.empty())
+            task_of(params_for(params, io.field != nullptr, context.frames().size()), form, false);
         else require_ends(params, form);
     }
     const auto mask = [](const Ref<AnyGrid>& port) { return port ? port->grid.get() : nullptr; };
@@ -60,7 +61,7 @@ std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports&
     const int finest = finest_for(params, *io.lattice);
     require_frame_fits(grids, *io.lattice, context.memory_budget(), finest);
     return std::make_shared<FrameEnergy>(
-        sample_frame(grids, io.lattice, sampled_axis(params.axis), params.measure, finest));
+        sample_frame(grids, io.lattice, params.axis, params.measure, finest));
 }
 
 void SeamNode::resume(const Payload& result, const nlohmann::ordered_json& entry) {
@@ -92,12 +93,7 @@ bool SeamNode::exhausted(const nlohmann::ordered_json& entry) { return falls_sho
 void SeamNode::solve(const Params& stated, Ports& io, Context& context, const FindSeam& find,
                      const StartFrom& start_from) {
     const CarvedSpace space(gathered_.lattices(), io.after, context.frames());
-    auto params = stated;
-    // A first or last frame that leaves makes no edge, but crops the shot.
-    const double last = static_cast<double>(context.frames().size()) - 1;
-    if (params.axis == Axis::t && params.count.value < 0 && gathered_.has_field() &&
-        !params.window && last > 1)
-        params.window = VertexRange{1, last - 1};
+    const auto params = params_for(stated, gathered_.has_field(), context.frames().size());
     const int finest = gathered_.finest();
     const auto task = task_of(params, space, finest);
     auto empty = empty_seams(params, task, space);

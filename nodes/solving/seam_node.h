@@ -3,7 +3,7 @@
 #include "carve/solver/search/find_seams.h"
 #include "carve/solver/task/gathered_energy.h"
 #include "carve/solver/task/params.h"
-#include "carve/time/time_map.h"
+#include "carve/time/frames_carved.h"
 #include "carve/volume/volume.h"
 #include "graph/types/node_type.h"
 #include "nodes/params/check_params.h"

@@ -6,7 +6,6 @@
 #include "nodes/solving/report.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <memory>
 #include <utility>
 

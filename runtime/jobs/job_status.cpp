@@ -1,7 +1,6 @@
 #include "runtime/jobs/job_status.h"
 
 #include "carve/base/frame_set.h"
-#include "carve/base/words.h"
 #include "formats/file/input_file.h"
 #include "formats/file/output_file.h"
 #include "graph/text/json_text.h"
@@ -13,7 +12,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <set>
 #include <vector>
 

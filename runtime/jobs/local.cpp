@@ -19,7 +19,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
-#include <optional>
 #include <sstream>
 #include <thread>
 

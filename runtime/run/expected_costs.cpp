@@ -1,6 +1,5 @@
 #include "runtime/run/expected_costs.h"
 
-#include <array>
 #include <utility>
 
 namespace fluidcarve {

@@ -3,7 +3,6 @@
 #include "carve/base/frame_set.h"
 #include "runtime/plan/frame_run.h"
 #include "runtime/run/end_of_graph.h"
-#include "runtime/run/file_provenance.h"
 #include "runtime/run/flow_self.h"
 #include "runtime/run/ports.h"
 #include "runtime/run/read_ahead.h"
@@ -12,7 +11,6 @@
 #include <tbb/flow_graph.h>
 
 #include <algorithm>
-#include <new>
 
 namespace fluidcarve {
 

@@ -8,7 +8,6 @@
 #include <chrono>
 #include <optional>
 #include <thread>
-#include <utility>
 
 namespace fluidcarve {
 namespace {

@@ -8,7 +8,6 @@
 #include <sys/resource.h>
 #include <unistd.h>
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <latch>
 #include <new>

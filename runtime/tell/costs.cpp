@@ -1,7 +1,6 @@
 #include "runtime/tell/costs.h"
 
 #include <algorithm>
-#include <ctime>
 
 namespace fluidcarve {
 namespace {

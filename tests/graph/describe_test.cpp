@@ -80,7 +80,7 @@ Registry toys() {
                      .input("terms", &Mix::Ports::terms, "What is mixed.")
                      .input("mask", &Mix::Ports::mask, "Where it is mixed.")
                      .input("inputs", &Mix::Ports::inputs, "Waters with names.")
-                     .param("gain", &Mix::Params::gain, Unit::per_world, between(0, 4),
+                     .param("gain", &Mix::Params::gain, Unit::world, between(0, 4),
                             "Multiplier on the result.")
                      .param("range", &Mix::Params::range, "Of the result.")
                      .param("mode", &Mix::Params::mode, "How it is mixed; a | b.")
@@ -120,7 +120,7 @@ inputs
       Waters with names.
 
 parameters
-  gain: a number; 1/world unit; from 0 to 4; default 1.5
+  gain: a number; world units; from 0 to 4; default 1.5
       Multiplier on the result.
   range: auto or [low, high]; default auto
       Of the result.
@@ -174,7 +174,7 @@ TEST_CASE("the Markdown reference has every node, port, parameter and travelling
          {"## water\n", "### water.mix\n", "- [water](#water)",
           "  - [water.mix](#watermix): Several waters in one.",
           "| `terms` | one or a list, each water | What is mixed. |",
-          "| `gain` | a number, from 0 to 4 | 1/world unit | `1.5` | Multiplier on the result. |",
+          "| `gain` | a number, from 0 to 4 | world units | `1.5` | Multiplier on the result. |",
           "| `mode` | one of soft, hard |   | `hard` | How it is mixed; a \\| b. |",
           "| `count` | a whole number of seams or a percentage such as -10% | seams | required | "
           "How many. |",
@@ -200,7 +200,7 @@ TEST_CASE("the JSON reference has every field") {
     CHECK(
         mix["params"][0] ==
         Json::parse(
-            R"({"name": "gain", "value": "a number", "unit": "1/world unit", "min": 0.0, "max": 4.0, "default": "1.5", "doc": "Multiplier on the result."})"));
+            R"({"name": "gain", "value": "a number", "unit": "world units", "min": 0.0, "max": 4.0, "default": "1.5", "doc": "Multiplier on the result."})"));
     CHECK(mix["params"][5]["required"] == true);
     CHECK(mix["params"][2]["choices"] == Json::parse(R"(["soft", "hard"])"));
     CHECK(all["nodes"][1]["outputs"][0]["once"] == true);
@@ -222,7 +222,7 @@ TEST_CASE("the schema knows each node type's fields, forms and defaults") {
     CHECK(mix["properties"].size() == 12);
     CHECK(mix["properties"]["gain"]["default"] == 1.5);
     CHECK(mix["properties"]["gain"]["description"] ==
-          "Multiplier on the result. Unit: 1/world unit. Default: 1.5.");
+          "Multiplier on the result. Unit: world units. Default: 1.5.");
     CHECK(mix["properties"]["gain"]["anyOf"][0]["anyOf"][0] ==
           Json::parse(R"({"type": "number", "minimum": 0.0, "maximum": 4.0})"));
     CHECK(mix["properties"]["up"]["default"] == Json::parse("[0, 0, 1]"));

@@ -131,6 +131,16 @@ TEST_CASE("seams of frames that were kept carve what fewer would, in parts as in
     CHECK(differs(scratch / "two.####.vdb", scratch / "parts.####.vdb") == "");
 }
 
+TEST_CASE("frames that readers leave out make no false copies of others") {
+    const Scratch scratch;
+    write_resting(scratch, 5);
+    auto text = Scratch::read(pipeline(scratch, "skip", "1-6", "count: -1"));
+    text.replace(text.find("type: vdb.read,"), 15, "type: vdb.read, missing: skip,");
+    const auto ran = run(scratch, scratch.write("skip.yaml", text));
+    CHECK(ran.code == 1);
+    CHECK_THAT(ran.err, Catch::Contains("the carve leaves 1-4; let `missing: hold` of the reader"));
+}
+
 TEST_CASE("what can't take seams of frames, and what they can't do, is told before a run") {
     const Scratch scratch;
     write_resting(scratch, 6);
@@ -143,6 +153,11 @@ TEST_CASE("what can't take seams of frames, and what they can't do, is told befo
     };
     CHECK_THAT(said("1-6", "count: -6"),
                Catch::Contains("wrong.yaml:8:3: count -6 takes all of 6 frames; at most 5 can go"));
+    CHECK_THAT(said("1-6", "count: -5"),
+               Catch::Contains("5 seams do not fit: window [1, 4] has room to remove 4"));
+    CHECK_THAT(said("1-6", "count: 6"), Catch::Contains("has room to insert 5"));
+    CHECK_THAT(said("1-6", "count: -1", ", conserve: mass"),
+               Catch::Contains("'conserve' has no effect on seams of frames"));
     CHECK_THAT(said("1-3,5-6", "count: -1"),
                Catch::Contains("all frames are needed, but between 3 and 5 some are left out"));
     CHECK_THAT(said("1-6", "count: -1", ", join: squeeze"),

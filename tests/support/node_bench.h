@@ -150,6 +150,7 @@ public:
             return found == known.end() ? none : found->second;
         }
         bool once() const override { return runs_once; }
+        std::size_t frames() const override { return 1; }
         void lies(const Region& region) override { outputs = region; }
         void tell(const OutputFacts& told) override { facts = told; }
         void warn(const std::string& message) override { warnings.push_back(message); }

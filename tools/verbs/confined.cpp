@@ -10,10 +10,8 @@
 #include <array>
 #include <chrono>
 #include <csignal>
-#include <cstring>
 #include <exception>
 #include <new>
-#include <stdexcept>
 #include <system_error>
 #include <thread>
 

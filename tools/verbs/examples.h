@@ -1,10 +1,5 @@
 #pragma once
 
-#include "tools/verbs/arguments.h"
-#include "tools/verbs/carve.h"
-#include "tools/verbs/init.h"
-#include "tools/verbs/shell.h"
-
 #include <CLI/CLI.hpp>
 
 namespace fluidcarve {

@@ -12,7 +12,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <utility>
 
 namespace fluidcarve {
 

@@ -18,8 +18,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
-#include <new>
-#include <optional>
 #include <span>
 
 namespace fluidcarve {

@@ -77,7 +77,7 @@ std::string filled(std::string_view text,
     return out;
 }
 
-int complain(const std::string& message, int code) {
+int end_with(const std::string& message, int code) {
     return std::fputs((message + "\n").c_str(), stderr), code;
 }
 
@@ -85,7 +85,7 @@ int complain(const std::string& message, int code) {
 
 int write_new_node(const NewNode& wanted, const Registry& registry) {
     if (const auto fault = fault_of(wanted.name, registry); !fault.empty())
-        return complain(fault, exit_code::usage);
+        return end_with(fault, exit_code::usage);
     const auto dot = wanted.name.find('.');
     const auto family = wanted.name.substr(0, dot), name = wanted.name.substr(dot + 1),
                library = family + "_" + name;
@@ -93,14 +93,14 @@ int write_new_node(const NewNode& wanted, const Registry& registry) {
     std::error_code error;
     if (fs::exists(folder, error) &&
         !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
-        return complain(
+        return end_with(
             fmt::format(
                 "{} already exists and is not overwritten; choose another --folder, or remove it",
                 folder.string()),
             exit_code::usage);
     fs::create_directories(folder, error);
     if (error)
-        return complain(
+        return end_with(
             fmt::format("cannot make the folder {}: {}", folder.string(), error.message()),
             exit_code::node_failed);
 
@@ -128,7 +128,7 @@ int write_new_node(const NewNode& wanted, const Registry& registry) {
         out << filled(new_node_texts().at(text), names);
         out.close();
         if (!out)
-            return complain(fmt::format("cannot write {}", (folder / file).string()),
+            return end_with(fmt::format("cannot write {}", (folder / file).string()),
                             exit_code::node_failed);
     }
     if (wanted.python)

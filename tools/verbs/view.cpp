@@ -74,6 +74,20 @@ std::string setting_of(const Document& document, const Value::Field& solver) {
     return solver.name + ".count";
 }
 
+/// Whether a solver finds seams of frames.
+bool in_time(const Value::Field* solver) {
+    const auto* const axis = field(solver, "axis");
+    return axis && axis->text == "t";
+}
+
+/// Whether frames are carved: then a page shows what comes of it, since it has other frames.
+bool carves_frames(const Document& document) {
+    return std::ranges::any_of(document.nodes.fields, [&](const Value::Field& node) {
+        return type_of(node) == "remap.grids" &&
+               in_time(connected(document, field(&node, "seams")));
+    });
+}
+
 /// Leaves out the seams of a node, and what is for them.
 void leave_out_seams(Value& node) {
     std::erase_if(node.fields, [](const Value::Field& each) {
@@ -86,7 +100,8 @@ void take_what_is_there(Document& document, const Registry& registry) {
     for (auto& node : document.nodes.fields) {
         const auto* const type = registry.node(type_of(node));
         const auto yes = scalar(node.value.mark, ParamTraits<bool>::text(true));
-        if (type && type->param("best_effort")) add(node.value, "best_effort", &yes);
+        if (type && type->param("best_effort") && !in_time(&node))
+            add(node.value, "best_effort", &yes);
     }
 }
 
@@ -130,12 +145,16 @@ void ViewArguments::declare(CLI::App& verb) {
 std::string add_page(Document& document, std::string& name) {
     for (const auto& node : document.nodes.fields)
         if (type_of(node) == page_type) return name = node.name, std::string();
-    const auto* const sheet = first_of(document, {"preview.sheet"}, "lattice");
-    const auto* const remap = first_of(document, {"remap.grids"}, "seams");
+    const bool frames_carved = carves_frames(document);
+    const auto first = [&](std::initializer_list<std::string_view> types, std::string_view with) {
+        return frames_carved ? nullptr : first_of(document, types, with);
+    };
+    const auto* const sheet = first({"preview.sheet"}, "lattice");
+    const auto* const remap = first({"remap.grids"}, "seams");
     const auto* const seams =
         sheet && field(sheet, "seams") ? field(sheet, "seams") : field(remap, "seams");
     const auto* const solver = connected(document, seams);
-    const auto* const built = first_of(document, {"lattice.build", "lattice.box"}, "type");
+    const auto* const built = first({"lattice.build", "lattice.box"}, "type");
     const auto mark = document.nodes.mark;
     const auto lattice_name = scalar(mark, built ? built->name : std::string());
     const auto* const lattice = sheet                      ? field(sheet, "lattice")

@@ -29,7 +29,6 @@
 #include <map>
 #include <memory>
 #include <numeric>
-#include <set>
 #include <utility>
 
 namespace fluidcarve {

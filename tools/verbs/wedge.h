@@ -2,7 +2,6 @@
 
 #include "tools/verbs/arguments.h"
 
-#include <functional>
 #include <string>
 #include <vector>
 

@@ -4,7 +4,6 @@
 #include <openvdb/math/Coord.h>
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 
 namespace fluidcarve {

@@ -4,7 +4,6 @@
 #include "carve/solver/costs/code.h"
 #include "carve/solver/costs/lanes.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>

@@ -162,8 +162,9 @@ void require_frame_fits(const FrameGrids& grids, const Lattice& lattice, std::ui
                     size_text(static_cast<std::uint64_t>(wanted)), size_text(budget), voxel, fits));
 }
 
-FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, Axis axis,
+FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, Axis carved,
                          Measure measure, int finest) {
+    const auto axis = sampled_axis(carved);
     FrameEnergy out;
     out.lattice = lattice;
     out.finest = finest;

@@ -50,7 +50,7 @@ struct FrameGrids {
 void require_frame_fits(const FrameGrids& grids, const Lattice& lattice, std::uint64_t budget,
                         int finest = 1);
 
-/// Samples grids at the vertices of a lattice.
+/// Samples grids at the vertices of a lattice, in columns along sampled_axis().
 /// @param finest  1, or 2 for half the size: then only single columns are held at full size
 /// @throws Failure as sample_columns() and MaskColumns
 FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, Axis axis,

@@ -11,17 +11,19 @@ namespace fluidcarve {
 
 namespace {
 
-constexpr std::size_t block_bytes = std::size_t{64} << 20;
+constexpr std::size_t block_bytes = std::size_t{64} << 20;  ///< at least
 
-/// Turns one list of codes per frame. Blocks of layers, so that each frame is read in one go.
-/// @param read   gives a frame's codes
-/// @param write  takes a layer's codes
+/// Turns one list of codes per frame, some layers at once: for these, all frames are read.
+/// @param budget  bytes that may be held
+/// @param read    gives a frame's codes
+/// @param write   takes a layer's codes
 template <class Read, class Write>
-void turn(const EnergyVolume& from, const Read& read, const Write& write) {
+void turn(const EnergyVolume& from, std::uint64_t budget, const Read& read, const Write& write) {
     const std::size_t columns = from.columns_per_frame(), frames = from.frames(),
                       layers = static_cast<std::size_t>(from.width()), stride = from.stride(),
                       layer = columns * frames,
-                      block = std::clamp<std::size_t>(block_bytes / (layer * 2), 1, layers);
+                      block = std::clamp<std::size_t>(
+                          std::max<std::size_t>(block_bytes, budget) / (2 * layer), 1, layers);
     std::vector<std::uint16_t> codes;
     for (std::size_t first = 0; first < layers; first += block) {
         const auto count = std::min(block, layers - first);
@@ -47,14 +49,14 @@ EnergyVolume turned(const EnergyVolume& from, std::uint64_t budget, const std::s
                      from.around());
     out.set_spread(from.spread());
     turn(
-        from, [&](std::size_t t) { return from.codes(t); },
+        from, budget / 4, [&](std::size_t t) { return from.codes(t); },
         [&](std::size_t layer, std::span<const std::uint16_t> codes) {
             std::ranges::copy(codes, out.codes(layer).begin());
         });
     if (!from.has_field()) return out;
     out.add_field(0, budget, folder);
     turn(
-        from, [&](std::size_t t) { return from.field_codes(t); },
+        from, budget / 4, [&](std::size_t t) { return from.field_codes(t); },
         [&](std::size_t layer, std::span<const std::uint16_t> codes) {
             out.set_field(layer, codes);
         });

@@ -4,7 +4,6 @@
 #include "carve/solver/search/band.h"
 #include "carve/solver/search/columns.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>

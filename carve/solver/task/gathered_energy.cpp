@@ -81,6 +81,10 @@ void GatheredEnergy::add(const SolverParams& params, const FrameEnergy& frame, c
     if (lattice.shape != first.shape)
         throw Failure(fmt::format("the lattice has {} vertices here, but {} in the first frame",
                                   fmt::join(lattice.shape, " x "), fmt::join(first.shape, " x ")));
+    if (params.axis == Axis::t && lattice.hash != first.hash)
+        throw Failure(
+            "the lattice is another one than in the first frame, but seams of frames need one that "
+            "stands still: use lattice.box, or a rig that does not move");
     transform_.require("the energy", *frame.transform, at.number);
     if (frame.field_transform)
         field_transform_.require("the field", *frame.field_transform, at.number);

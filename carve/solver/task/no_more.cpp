@@ -32,12 +32,24 @@ std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamTa
     const int laterals = task.shape[lateral_dimension(task.axis)];
     const auto per_frame = static_cast<std::size_t>(laterals) *
                            static_cast<std::size_t>(task.shape[slice_dimension(task.axis)]);
-    const auto layer = none.at.column / per_frame;
-    const bool in_time = task.axis == Axis::t;
-    const auto t = in_time ? 0 : layer;
+    const auto t = none.at.column / per_frame;
     const int c = static_cast<int>(none.at.column % per_frame), lateral = c % laterals,
               k = c / laterals;
     const auto& window = part.window;
+    if (task.axis == Axis::t) {
+        const auto at =
+            space.lattices().front()->position(openvdb::Vec3d(static_cast<double>(t), lateral, k));
+        const auto vertex = fmt::format("vertex ({}, {}, {}), at ({:g}, {:g}, {:g}),", t, lateral,
+                                        k, at.x(), at.y(), at.z());
+        return fmt::format(
+            "{}window [{}, {}]: {}", part.prefix(), window.first, window.last,
+            none.at.free == 0
+                ? fmt::format("all frames of {} are protected", vertex)
+                : fmt::format("of the {} frames left of {} {} {} unprotected, but out of reach "
+                              "from the vertices beside",
+                              none.at.vertices, vertex, none.at.free,
+                              none.at.free == 1 ? "is" : "are"));
+    }
     const auto& lattice = *space.lattices()[space.place(t)];
     const auto before = space.carve_map(t);
     const auto world = [&](int entry) {
@@ -48,27 +60,18 @@ std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamTa
     };
     const int last = window.first + none.found + none.at.vertices - 1;
     const auto span = fmt::format("{} to {}", window.first, last);
-    const auto column = [&] {
-        if (!in_time)
-            return fmt::format(
-                "column ({}), from {} to {},",
-                fmt::join(vertex_of(task.axis, span, std::to_string(lateral), std::to_string(k)),
-                          ", "),
-                world(window.first), world(last));
-        const auto at = lattice.position(openvdb::Vec3d(static_cast<double>(layer), lateral, k));
-        return fmt::format("vertex ({}, {}, {}), at ({:g}, {:g}, {:g}),", layer, lateral, k, at.x(),
-                           at.y(), at.z());
-    }();
-    const auto where = in_time        ? std::string("of its frames,")
-                       : part.static_ ? "over all frames"
-                                      : fmt::format("in frame {}", space.frames()[t]);
-    return fmt::format("{}window [{}, {}]: {} {}", part.prefix(), window.first, window.last, where,
-                       none.at.free == 0
-                           ? fmt::format("{} has no unprotected vertex left", column)
-                           : fmt::format("of the {} vertices left in {} {} {} unprotected, but out "
-                                         "of reach from the columns beside",
-                                         none.at.vertices, column, none.at.free,
-                                         none.at.free == 1 ? "is" : "are"));
+    const auto column = fmt::format(
+        "column ({}), from {} to {},",
+        fmt::join(vertex_of(task.axis, span, std::to_string(lateral), std::to_string(k)), ", "),
+        world(window.first), world(last));
+    return fmt::format(
+        "{}window [{}, {}]: {} {}", part.prefix(), window.first, window.last,
+        part.static_ ? "over all frames" : fmt::format("in frame {}", space.frames()[t]),
+        none.at.free == 0 ? fmt::format("{} has no unprotected vertex left", column)
+                          : fmt::format("of the {} vertices left in {} {} {} unprotected, but out "
+                                        "of reach from the columns beside",
+                                        none.at.vertices, column, none.at.free,
+                                        none.at.free == 1 ? "is" : "are"));
 }
 
 std::string why_no_more(const NoSeam& none, const SeamTask& task, const SeamTask::Part& part,

@@ -7,8 +7,7 @@
 #include "carve/solver/costs/sample.h"
 
 #include <array>
-#include <optional>
-#include <string>
+#include <cstddef>
 #include <utility>
 
 namespace fluidcarve {
@@ -58,6 +57,11 @@ struct SolverParams {
     Auto<int> bound_passes;
     Auto<int> finest;
 };
+
+/// The parameters of a search once it is known whether frames come with a field. Then seams that
+/// take frames out leave the first and the last one, unless a window is stated: these would make
+/// no edge, but crop the shot.
+SolverParams params_for(const SolverParams& stated, bool has_field, std::size_t frames);
 
 /// The parameter `finest`, or what `auto` means for a lattice. It depends on nothing else, so that
 /// all machines and all parts of a sequence agree.

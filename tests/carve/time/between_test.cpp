@@ -239,6 +239,31 @@ TEST_CASE("a picture of two is of each where it alone shows, bit for bit") {
           Approx(0.5 * (a.grids[0].plane()->at(15, 13) + b.grids[0].plane()->at(15, 13))));
 }
 
+TEST_CASE(
+    "of two level sets each place has the side that it shows, beyond their narrow bands, too") {
+    const auto ball = [](double x) {
+        const auto out = openvdb::tools::createLevelSetSphere<FloatGrid>(8, Vec3d(x, 0, 0), 1, 3);
+        out->setName("surface");
+        return volume_with({out});
+    };
+    const auto a = ball(-12), b = ball(12);
+    const auto value = [](const Volume& volume, int x) {
+        return openvdb::gridConstPtrCast<FloatGrid>(volume.find("surface"))
+            ->tree()
+            .getValue(Coord(x, 0, 0));
+    };
+    const auto both = volume_mixed(
+        a, b, [](const Vec3d& at) { return at.x() < 0 ? 0.0 : 1.0; }, a);
+    const auto none = volume_mixed(
+        a, b, [](const Vec3d& at) { return at.x() < 0 ? 1.0 : 0.0; }, a);
+    for (const int x : {-12, 12}) {
+        CHECK(value(both, x) == -3);
+        CHECK(value(none, x) == 3);
+    }
+    for (const int x : {-4, 4, -20, 20}) CHECK(value(both, x) == Approx(0).margin(1e-5));
+    CHECK(value(both, 0) == 3);
+}
+
 TEST_CASE("a level set that is no distance does not move when it is blended with itself") {
     const auto ball = openvdb::tools::createLevelSetSphere<FloatGrid>(4, Vec3d(0), 0.5);
     for (auto value = ball->beginValueOn(); value; ++value) value.setValue(0.7f * *value);

@@ -136,6 +136,21 @@ TEST_CASE("a fade goes over in a few frames, and all others keep their bits") {
     CHECK(share(4) == 1);
 }
 
+TEST_CASE("a fade leaves the first and the last frame as they are") {
+    Sequence source;
+    tell_frames(source);
+    for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert}) {
+        auto set = empty_set(kind);
+        set.seams.push_back(straight_seam(set, 2));
+        const TimeMap map(set, voxels(), 1, 40);
+        const auto first = map.frame(source, 0), last = map.frame(source, map.frames() - 1);
+        for (auto at = cells.begin(); at; ++at) {
+            CHECK(value(first, *at) == value_at(0, *at));
+            CHECK(value(last, *at) == value_at(frame_count - 1, *at));
+        }
+    }
+}
+
 TEST_CASE("seams of frames in pairs keep the length") {
     auto set = empty_set(Seams::Kind::remove);
     set.window = Window{0, 2};
@@ -168,21 +183,6 @@ TEST_CASE("what lies beyond a box goes over with its nearest vertex") {
     }
 }
 
-TEST_CASE("the frames that a carve leaves are numbered on, and more than there are can't go") {
-    const auto left = [](const FramesCarved& carved, const Auto<Count>& used,
-                         const std::vector<int>& frames) { return carved.left(used, frames); };
-    CHECK(left({{-1}}, {}, {11, 13, 15}) == std::vector{11, 13});
-    CHECK(left({{1}}, {}, {11, 13, 15}) == std::vector{11, 13, 15, 17});
-    CHECK(left({{-2}}, Count{1}, {1, 2, 3}) == std::vector{1, 2});
-    CHECK(left({{2}}, Count{1}, {1, 2, 3}) == std::vector{1, 2, 3, 4});
-    CHECK(left({{-2}, true}, {}, {1, 2, 3}) == std::vector{1, 2, 3});
-    CHECK(left({{-50, true}}, {}, {1, 2, 3, 4}) == std::vector{1, 2});
-    CHECK(failure_of([&] {
-              left({{-3}}, {}, {1, 2, 3});
-          }) == "count -3 takes all of 3 frames; at most 2 can go");
-    CHECK(failure_of([&] { left({{-1}}, {}, {1, 2, 4}); }) != "");
-}
-
 TEST_CASE("seams of frames want their own lattice, and no others serve as such") {
     auto set = empty_set(Seams::Kind::remove);
     set.seams.push_back(straight_seam(set, 3));
@@ -191,6 +191,16 @@ TEST_CASE("seams of frames want their own lattice, and no others serve as such")
                Catch::Contains("the seams were found in another lattice"));
     CHECK_THAT(failure_of([&] { TimeMap(set, voxels(), 2, 1); }),
                Catch::Contains("count asks for 2 seams, but the seam set holds 1"));
+    for (const auto wrong : {&Seams::closed, &Seams::around}) {
+        auto closed = set;
+        closed.*wrong = true;
+        CHECK_THAT(failure_of([&] { TimeMap(closed, voxels(), 1, 1); }),
+                   Catch::Contains("the seams were found in another lattice"));
+    }
+    auto larger = set;
+    larger.shape = {3, 4, 3};
+    CHECK_THAT(failure_of([&] { TimeMap(larger, voxels(), 1, 1); }),
+               Catch::Contains("the seams were found in another lattice"));
     set = no_seams(voxels());
     CHECK_THAT(failure_of([&] { TimeMap(set, voxels(), 0, 1); }),
                Catch::Contains("they were found along u"));

@@ -46,6 +46,15 @@ std::pair<Ref<Seams>, Ref<Seams>> both(const std::string& yaml, const SolverPara
     return {solved.seams, search.find()};
 }
 
+/// The same of seams of frames.
+SolverParams in_time(int count) {
+    SolverParams out;
+    out.axis = Axis::t;
+    out.count.value = count;
+    out.spread = 0;
+    return out;
+}
+
 void check_equal(const std::pair<Ref<Seams>, Ref<Seams>>& found) {
     const auto& [node, library] = found;
     CHECK(library->thickness == node->thickness);
@@ -107,4 +116,9 @@ TEST_CASE("a search by the library says why there is no seam, and can be stopped
     SeamSearch stopped(wish, {1});
     stopped.add(lattice, {*energies[0]});
     CHECK_THROWS_AS(stopped.find([](double) { throw Cancelled{}; }), Cancelled);
+}
+
+TEST_CASE("the library finds seams of frames as the node does") {
+    check_equal(both("{axis: t, count: -1}", in_time(-1), true));
+    check_equal(both("{axis: t, count: 2}", in_time(2), false));
 }

@@ -171,6 +171,6 @@ TEST_CASE("a place where all frames are protected is told") {
             test::solve(seam_pyramid(), "{axis: t, count: -1}", noise(random, cells(2, 2, 1), 4),
                         {test::box({2, 2, 1})}, masks, 4);
         }),
-        Catch::Contains("no seam is possible in window [0, 3]: of its frames, vertex (1, 0, 0), at "
-                        "(1, 0, 0), has no unprotected vertex left"));
+        Catch::Contains("no seam is possible in window [0, 3]: all frames of vertex (1, 0, 0), at "
+                        "(1, 0, 0), are protected; ask for fewer"));
 }

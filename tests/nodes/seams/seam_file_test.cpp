@@ -212,7 +212,8 @@ TEST_CASE("a seam file is what the contract says, to any reader of .vdb") {
 TEST_CASE("a seam file that is wrong is refused with the reason") {
     CHECK(metadata_fault("fluidcarve_axis", "") ==
           "the file has no text 'fluidcarve_axis' in its metadata, so it is no seam file");
-    CHECK(metadata_fault("fluidcarve_axis", "x") == "'fluidcarve_axis' must be u, v or w, not 'x'");
+    CHECK(metadata_fault("fluidcarve_axis", "x") ==
+          "'fluidcarve_axis' must be u, v, w or t, not 'x'");
     CHECK(metadata_fault("fluidcarve_shape", "7,5,4") ==
           "'fluidcarve_shape' must be four numbers from 1 to 65535, I,J,K,T, not '7,5,4'");
     CHECK(metadata_fault("fluidcarve_shape", "7,5,4,3,") ==

@@ -1,0 +1,26 @@
+#include "carve/time/frames_carved.h"
+
+#include "carve/base/failure.h"
+#include "carve/time/sequence.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace fluidcarve {
+
+std::vector<int> FramesCarved::left(const Auto<Count>& used, const std::vector<int>& frames) const {
+    const int size = static_cast<int>(frames.size()), all = count.of(size),
+              most = used ? std::abs(used->of(size)) : std::abs(all),
+              by = paired ? 0 : std::clamp(all, -most, most);
+    if (size + by < 1)
+        throw Failure(fmt::format("count {} takes all of {} frames; at most {} can go",
+                                  text_of(count), size, size - 1));
+    const int step = step_of(frames);
+    std::vector<int> out;
+    for (int n = 0; n < size + by; ++n) out.push_back(frames.front() + step * n);
+    return out;
+}
+
+}  // namespace fluidcarve

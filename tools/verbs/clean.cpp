@@ -1,0 +1,119 @@
+#include "tools/verbs/clean.h"
+
+#include "carve/base/words.h"
+#include "runtime/jobs/job_status.h"
+#include "runtime/keep/work_folder.h"
+#include "runtime/run/run.h"
+#include "runtime/tell/outcome.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <chrono>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+namespace fluidcarve {
+
+namespace {
+
+void declare_folder(CLI::App& verb, std::string& folder) {
+    verb.add_option("--work", folder, "The work folder")
+        ->capture_default_str()
+        ->type_name("DIR")
+        ->envname("FLUIDCARVE_WORK");
+}
+
+/// An age such as 7d, 12h, 30m or 2w; nothing if a text is none.
+std::optional<std::chrono::seconds> age_of(std::string_view text) {
+    static const std::map<char, std::chrono::seconds> units{{'m', std::chrono::minutes(1)},
+                                                            {'h', std::chrono::hours(1)},
+                                                            {'d', std::chrono::hours(24)},
+                                                            {'w', std::chrono::hours(24 * 7)}};
+    const auto unit = text.empty() ? units.end() : units.find(text.back());
+    if (unit == units.end()) return std::nullopt;
+    text.remove_suffix(1);
+    int number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc{} || end != text.data() + text.size() || number < 0 || number > 100000)
+        return std::nullopt;
+    return number * unit->second;
+}
+
+/// Says how far the runs in a work folder have come.
+int status(const std::string& folder, bool json) {
+    if (const auto fault = WorkFolder(folder).unread(); !fault.empty())
+        return complain("failed: " + fault + "\n"), exit_code::input;
+    return print(job_status_text(folder, json)), exit_code::done;
+}
+
+/// Arguments of the verb `clean`.
+struct CleanArguments {
+    std::string folder = RunOptions().work_folder;
+    std::string older, shot;  ///< empty: not stated
+    bool dry_run = false;
+};
+
+/// Removes files of fluidcarve from a work folder, and the folder if it is then empty.
+int clean(const CleanArguments& arguments) {
+    const auto& [path, older, shot, dry_run] = arguments;
+    const WorkFolder folder(path);
+    WorkFolder::Wish wish{older.empty() ? std::nullopt : age_of(older), dry_run,
+                          shot.empty() ? std::nullopt : std::optional(shot)};
+    if (!older.empty() && !wish.older)
+        return complain(fmt::format("--older: '{}' is no age such as 7d, 12h, 30m or 2w\n", older)),
+               exit_code::usage;
+    if (const auto fault = folder.unread(); !fault.empty())
+        return complain("failed: " + fault + "\n"), exit_code::input;
+    if (const auto fault = folder.fault(); !fault.empty())
+        return complain(fmt::format("cannot clean: {}\n", fault)), exit_code::usage;
+    try {
+        const auto cleaned = folder.clean(wish);
+        const auto stay = [](std::size_t count, const char* why) {
+            return count == 0 ? std::string()
+                              : fmt::format("; {} {} {}", count,
+                                            count == 1 ? "file stays" : "files stay", why);
+        };
+        const auto rest = stay(cleaned.kept, "that were used since") +
+                          stay(cleaned.apart, "of other shots, or of several") +
+                          stay(cleaned.left, "that fluidcarve did not write");
+        const auto what =
+            fmt::format("{}, {}", counted(cleaned.removed, "file"), size_text(cleaned.bytes));
+        print(fmt::format("{}: {}{}\n", path,
+                          cleaned.removed == 0 ? "nothing to clean"
+                          : dry_run            ? "would remove " + what
+                                               : "removed " + what,
+                          rest));
+    } catch (const Failure& failure) {
+        return complain(fmt::format("{}\n", failure.what())), exit_code::node_failed;
+    }
+    return exit_code::done;
+}
+
+}  // namespace
+
+Verb::Work clean_verb(CLI::App& verb, Program&) {
+    const auto arguments = std::make_shared<CleanArguments>();
+    declare_folder(verb, arguments->folder);
+    verb.add_option("--shot", arguments->shot,
+                    "Remove only what runs of this pipeline made: the name of its file, as in "
+                    "sh010 for sh010.yaml. Results of up to 64 KB, which lie many to a file, stay")
+        ->type_name("NAME");
+    verb.add_option("--older", arguments->older,
+                    "Remove only what was not used for so long: 7d, 12h, 30m, 2w")
+        ->type_name("AGE");
+    verb.add_flag("--dry-run", arguments->dry_run, "Only say what would be removed");
+    return [=] { return clean(*arguments); };
+}
+
+Verb::Work status_verb(CLI::App& verb, Program&) {
+    const auto folder = std::make_shared<std::string>(RunOptions().work_folder);
+    const auto json = std::make_shared<bool>(false);
+    declare_folder(verb, *folder);
+    verb.add_flag("--json", *json, "Print as JSON");
+    return [=] { return status(*folder, *json); };
+}
+
+}  // namespace fluidcarve
