@@ -13,8 +13,8 @@ namespace fluidcarve {
 
 /// How many seams of a set look best together with a warp of the rest (METHOD 11 "Seams or a
 /// warp"). Some numbers of seams are compared, in some planes of some frames, with even scaling in
-/// place of the warp. Of slabs that are doubled, it takes at most what a third of the lattice's vertices
-/// holds: more repeats would stand side by side.
+/// place of the warp. Of slabs that are doubled, it takes at most what a third of the lattice's
+/// vertices holds: more repeats would stand side by side.
 class SeamChoice {
 public:
     /// @param seams  thin or thick, not in pairs, no warp
