@@ -153,10 +153,9 @@ TEST_CASE("carve makes a sequence shorter or longer in time, and says what has n
           "--axis t: one file has no frames to take or to add; give a sequence, such as "
           "smoke.####.vdb\n");
     CHECK(carve(plume + " -5").err == "--axis t: -5 of 6 frames leaves 1; leave two at least\n");
-    CHECK_THAT(
-        carve(plume + " -2 --protect density=1").err,
-        Catch::StartsWith(
-            "--axis t: no seam is sought in time, so leave out --solver, --warp, --protect"));
+    CHECK_THAT(carve(plume + " -2 --protect density=1").err,
+               Catch::StartsWith("--axis t changes the speed, by time.retime, so leave out "
+                                 "--solver, --warp, --protect"));
     CHECK(carve("tests/data/images/rocket.jpg -2").code == 2);
 }
 

@@ -238,8 +238,9 @@ std::string DraftText::in_time() {
     if (!request_.solver.empty() || !request_.protect.empty() || !request_.seams.empty() ||
         !request_.solver_fields.empty() || !request_.remap_fields.empty())
         throw Failure(
-            "--axis t: no seam is sought in time, so leave out --solver, --warp, --protect, "
-            "--seams and what else is for seams");
+            "--axis t changes the speed, by time.retime, so leave out --solver, --warp, --protect, "
+            "--seams and what else is for seams; seams of frames are for pipelines (`axis: t` of a "
+            "solver, as in plume_shorter.yaml)");
     if (fraction())
         throw Failure(fmt::format("--axis t: frames are whole, not {}", request_.count));
     std::string fault;

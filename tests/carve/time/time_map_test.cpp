@@ -1,5 +1,6 @@
 #include "carve/time/time_map.h"
 
+#include "tests/support/bent_lattices.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/seams_through.h"
 
@@ -49,8 +50,7 @@ float value(const Volume& volume, const Coord& at) {
 Seams empty_set(Seams::Kind kind) { return no_seams(voxels(), Axis::t, kind, frame_numbers()); }
 
 /// Any seams: entries that no neighbours share.
-Seams random_set(std::mt19937& random, Seams::Kind kind, int count) {
-    auto out = empty_set(kind);
+Seams random_set(std::mt19937& random, Seams out, int count) {
     std::vector<std::vector<std::uint16_t>> entries(static_cast<std::size_t>(count),
                                                     std::vector<std::uint16_t>(out.columns()));
     for (std::size_t c = 0; c < out.columns(); ++c) {
@@ -60,7 +60,7 @@ Seams random_set(std::mt19937& random, Seams::Kind kind, int count) {
         for (std::size_t n = 0; n < entries.size(); ++n) {
             // A removal counts what those before it leave.
             int entry = all[n];
-            if (kind == Seams::Kind::remove)
+            if (out.kind == Seams::Kind::remove)
                 for (std::size_t m = 0; m < n; ++m)
                     if (all[m] < all[n]) --entry;
             entries[n][c] = static_cast<std::uint16_t>(entry);
@@ -74,7 +74,8 @@ Seams random_set(std::mt19937& random, Seams::Kind kind, int count) {
 std::vector<int> shown_at(const Seams& set, const Coord& at) {
     std::vector<int> out;
     for (int t = 0; t < frame_count; ++t) out.push_back(t);
-    const auto column = static_cast<std::size_t>(at.y() + 4 * (at.z() + 2 * at.x()));
+    const auto column =
+        static_cast<std::size_t>(at.y() + set.shape[1] * (at.z() + set.shape[2] * at.x()));
     for (const auto& seam : set.seams) {
         const auto entry = seam.at[column];
         if (set.kind == Seams::Kind::remove) out.erase(out.begin() + entry);
@@ -107,7 +108,7 @@ TEST_CASE("without a fade each vertex shows the frames that its own entries leav
     Sequence source;
     tell_frames(source);
     for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert}) {
-        const auto set = random_set(random, kind, 3);
+        const auto set = random_set(random, empty_set(kind), 3);
         const TimeMap map(set, voxels(), 3, 1);
         for (int n = 0; n < map.frames(); ++n) {
             const auto frame = map.frame(source, n);
@@ -116,6 +117,37 @@ TEST_CASE("without a fade each vertex shows the frames that its own entries leav
                 CHECK(value(frame, *at) == value_at(wanted, *at));
             }
         }
+    }
+}
+
+TEST_CASE("in a closed lattice along a path each vertex shows its own frames, too") {
+    std::mt19937 random(6);
+    const auto lattice = ring(openvdb::Vec3d(0), {3, 4, 9}, 2, {-2, -3});
+    const auto space = openvdb::math::Transform::createLinearTransform(0.1);
+    const CoordBBox vertices(Coord(0), Coord(2, 3, 8));
+    const auto voxel_at = [&](const Coord& vertex) {
+        return Coord::round(space->worldToIndex(lattice.position(vertex.asVec3d())));
+    };
+    Sequence source;
+    for (int t = 0; t < frame_count; ++t) {
+        const auto grid = FloatGrid::create();
+        grid->setName("density");
+        grid->setTransform(space);
+        for (auto at = vertices.begin(); at; ++at)
+            grid->tree().setValue(voxel_at(*at), value_at(t, *at));
+        Volume volume;
+        volume.grids.emplace_back(grid);
+        source.add(volume, nullptr, frame_numbers()[static_cast<std::size_t>(t)], {});
+    }
+    const auto set =
+        random_set(random, no_seams(lattice, Axis::t, Seams::Kind::remove, frame_numbers()), 3);
+    const TimeMap map(set, lattice, 3, 1);
+    for (int n = 0; n < map.frames(); ++n) {
+        const auto frame = map.frame(source, n);
+        // Voxels of vertices at the rim may lie outside.
+        for (auto at = CoordBBox(Coord(1, 1, 0), Coord(1, 2, 8)).begin(); at; ++at)
+            CHECK(value(frame, voxel_at(*at)) ==
+                  value_at(shown_at(set, *at).at(static_cast<std::size_t>(n)), *at));
     }
 }
 
@@ -172,7 +204,7 @@ TEST_CASE("what lies beyond a box goes over with its nearest vertex") {
     const CoordBBox wide(Coord(-2, -2, -2), Coord(5, 5, 3));
     Sequence source;
     tell_frames(source, wide);
-    const auto set = random_set(random, Seams::Kind::remove, 2);
+    const auto set = random_set(random, empty_set(Seams::Kind::remove), 2);
     const TimeMap map(set, voxels(), 2, 1);
     const auto frame = map.frame(source, 2);
     for (auto at = wide.begin(); at; ++at) {
