@@ -85,8 +85,8 @@ std::vector<TimeMap::Seen> TimeMap::seen(int n) const {
     const auto vertices = static_cast<std::size_t>(shape_[0]) *
                           static_cast<std::size_t>(shape_[1]) * static_cast<std::size_t>(shape_[2]);
     const auto places = static_cast<std::size_t>(source_frames_);
-    /// Of each place in the source, how many vertices show it now, and whether any does soon.
-    struct Count {
+    // Of each place in the source, how many vertices show it now, and whether any does soon.
+    struct Shown {
         std::vector<std::size_t> now;
         std::vector<char> soon;
     };
@@ -95,8 +95,8 @@ std::vector<TimeMap::Seen> TimeMap::seen(int n) const {
         return static_cast<std::size_t>(
             std::clamp(n + source_of(vertex, at) - at, 0, source_frames_ - 1));
     };
-    tbb::enumerable_thread_specific<Count> counts([&] {
-        return Count{std::vector<std::size_t>(places), std::vector<char>(places)};
+    tbb::enumerable_thread_specific<Shown> counts([&] {
+        return Shown{std::vector<std::size_t>(places), std::vector<char>(places)};
     });
     const auto each = [&](const auto& visit) {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 4096),
@@ -195,7 +195,7 @@ Volume TimeMap::frame(const Sequence& source, int n) const {
                 return now > 0 ? now / (before + now) : 0.0;
             },
             all[last].outside > 0 ? next : out,
-            // A point changes its place in the source where the shares before reach its own number.
+            // Each point has a number of its own, and goes over where the shares before are below.
             [&](const openvdb::Vec3d& world) { return 1.0 - shares(world)[0]; });
     }
     return out;
