@@ -116,7 +116,7 @@ struct RemapGrids : RemapNode {
                 "takes seams of frames (`axis: t`) alone: carve them by a node of their own, and "
                 "what it gives by the others");
         try {
-            time_fade_of(params, false);
+            time_join_of(params, false);
         } catch (const Failure& failure) {
             ahead.fault(failure.what());
         }
@@ -140,7 +140,7 @@ struct RemapGrids : RemapNode {
         lattice_ = io.lattice;
         source_.add(*io.source, nullptr, context.frame(), context.limits());
     }
-    void finish(const Params& params, Ports& io, Context&) {
+    void finish(const Params& params, Ports& io, Context& context) {
         const auto& set = *io.seams.front();
         if (set.frames != source_.numbers())
             throw Failure(fmt::format("the seams are of the frames {}, but the source has {}",
@@ -148,7 +148,8 @@ struct RemapGrids : RemapNode {
                                       FrameSet(source_.numbers()).text()));
         frames_ = retimes(params, source_.numbers());
         in_time_.emplace(set, *lattice_, seams_of(params.count, set).value_or(set.size()),
-                         time_fade_of(params, set.thick()));
+                         time_join_of(params, set.thick()));
+        motions_.emplace(source_, 0, context.memory_budget());
     }
 
     void run(const Params& params, Ports& io, Context& context) const {
@@ -159,7 +160,8 @@ struct RemapGrids : RemapNode {
                     fmt::format("there is no such frame: some of the source are missing, and the "
                                 "carve leaves {}; let `missing: hold` of the reader fill them",
                                 FrameSet(frames_).text()));
-            io.volume = std::make_shared<Volume>(in_time_->frame(source_, static_cast<int>(n)));
+            io.volume =
+                std::make_shared<Volume>(in_time_->frame(source_, *motions_, static_cast<int>(n)));
             return;
         }
         const auto map = map_of(params, io, context);
@@ -191,6 +193,7 @@ private:
     Ref<Lattice> lattice_;
     std::vector<int> frames_;  ///< that the carve leaves
     std::optional<TimeMap> in_time_;
+    std::optional<Motions> motions_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "carve/time/between.h"
 #include "carve/time/frame_list.h"
 #include "carve/time/mesh_between.h"
+#include "carve/time/motions.h"
 #include "carve/time/pace.h"
 #include "carve/time/points_between.h"
 #include "carve/time/scale_search.h"
@@ -51,6 +52,7 @@ public:
 
     void finish(const Params& params, Ports&, Context& context) {
         pace_.emplace(params, source_.numbers());
+        double scale = 0;
         if (!source_.has_velocity()) {
             for (const auto& grid : source_.at(0).volume.grids)
                 if (grid.header().isType<VectorGrid>())
@@ -58,11 +60,11 @@ public:
                         "'velocity' is not connected, so that motion is found by what is seen "
                         "alone; connect '{}' if it is the velocity",
                         grid.name()));
-            return;
+        } else if (source_.size() > 1) {
+            scale = params.scale ? *params.scale : found_scale(context);
+            context.report("retime", {{"scale", scale}});
         }
-        if (source_.size() < 2) return;
-        scale_ = params.scale ? *params.scale : found_scale(context);
-        context.report("retime", {{"scale", scale_}});
+        motions_.emplace(source_, scale, context.memory_budget());
     }
 
     void run(const Params& params, Ports& io, Context& context) const {
@@ -70,20 +72,15 @@ public:
         const auto a = source_.at(moment.place);
         auto out = std::make_shared<Volume>(a.volume);
         if (moment.share > 0) {
-            const auto b = source_.at(moment.place + 1);
-            const auto shown = moving_in(a, b);
-            VectorGrid::Ptr motion;
-            if (shown)
-                motion =
-                    motion_between(shown->first, shown->second,
-                                   scale_ * frames_behind(moment.place), context.memory_budget());
-            else if (std::ranges::any_of(a.volume.grids, [](const VolumeGrid& grid) {
-                         return grid.header().isType<FloatGrid>();
-                     }))
+            const auto motion = motions_->from(moment.place);
+            if (!motion && std::ranges::any_of(a.volume.grids, [](const VolumeGrid& grid) {
+                    return grid.header().isType<FloatGrid>();
+                }))
                 context.warn(
                     "no float grid shows where things move to: frames between those of the source "
                     "are blended");
-            *out = volume_between(a.volume, b.volume, moment.share, motion.get(), params.transport);
+            *out = volume_between(a.volume, source_.at(moment.place + 1).volume, moment.share,
+                                  motion.get(), params.transport);
         }
         *out = scaled(*out, a.velocity ? a.velocity->getName() : "", moment.rate);
         io.volume = out;
@@ -127,7 +124,7 @@ private:
 
     Sequence source_;
     std::optional<Pace> pace_;
-    double scale_ = 0;
+    std::optional<Motions> motions_;
 };
 
 }  // namespace

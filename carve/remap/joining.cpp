@@ -22,6 +22,12 @@ constexpr double across_of_thickness =
 constexpr double beside_fade =
     3;  ///< vertices: a squeeze reaches further than the fade that it goes with
 
+Join join_of(const JoinParams& params, bool thick) {
+    return params.join.value_or(params.soft            ? Join::squeeze
+                                : params.fade || thick ? Join::fade
+                                                       : Join::squeeze);
+}
+
 }  // namespace
 
 Softness softness_of(const JoinParams& params, const Seams& seams) {
@@ -30,9 +36,7 @@ Softness softness_of(const JoinParams& params, const Seams& seams) {
                   static_cast<int>(seams.size() + static_cast<std::size_t>(seams.thickness) - 1) /
                   seams.thickness;
     const double thickness = seams.thickness;
-    const auto join = params.join.value_or(params.soft                    ? Join::squeeze
-                                           : params.fade || seams.thick() ? Join::fade
-                                                                          : Join::squeeze);
+    const auto join = join_of(params, seams.thick());
     if (seams.warp || join == Join::cut) return {};
     if (join == Join::squeeze) {
         // The default is no fault, even in a small lattice.
@@ -56,15 +60,20 @@ Softness softness_of(const JoinParams& params, const Seams& seams) {
             std::max(params.soft_time, 1.0), fade, std::max(2.0, across_of_thickness * thickness)};
 }
 
-int time_fade_of(const JoinParams& params, bool thick) {
-    if (params.join == Join::squeeze || params.soft || params.soft_time > 0)
+TimeJoin time_join_of(const JoinParams& params, bool thick) {
+    if (params.soft_time > 0)
         throw Failure(
-            "frames can't be squeezed: state `join: fade` or `cut`, and leave `soft` and "
-            "`soft_time` out; to make a sequence faster or slower, use time.retime");
-    if (params.join == Join::cut) return 1;
+            "`soft_time` has no effect on seams of frames (`axis: t`), whose `soft` is in frames: "
+            "leave it out");
+    const auto frames = [](double number) { return static_cast<int>(std::lround(number)); };
+    switch (join_of(params, thick)) {
+        case Join::cut: return {};
+        case Join::squeeze: return {frames(params.soft.value_or(soft_of_thin)) + 1, true};
+        case Join::fade: break;
+    }
     // Neighbouring frames may mix for long, but of those far apart two would be seen at once.
     constexpr double of_thin = 4, of_thick = 2;
-    return static_cast<int>(std::lround(params.fade.value_or(thick ? of_thick : of_thin)));
+    return {frames(params.fade.value_or(thick ? of_thick : of_thin)), false};
 }
 
 }  // namespace fluidcarve

@@ -35,10 +35,13 @@ struct JoinParams {
 /// @throws Failure if `soft` or `fade` is wider than the lattice has room for
 Softness softness_of(const JoinParams& params, const Seams& seams);
 
-/// In how many frames places go over from one frame to another, if seams are seams of frames: 1 for
-/// a cut, where they do so at once.
+/// How places go over from one frame to another, if seams are seams of frames.
+struct TimeJoin {
+    int fade = 1;        ///< frames; 1: at once
+    bool moved = false;  ///< by moments between, along the flow; false: both sides are blended
+};
 /// @param thick  as of Seams
-/// @throws Failure if frames are to be squeezed
-int time_fade_of(const JoinParams& params, bool thick);
+/// @throws Failure if `soft_time` is stated
+TimeJoin time_join_of(const JoinParams& params, bool thick);
 
 }  // namespace fluidcarve

@@ -8,8 +8,6 @@
 
 #include <openvdb/tools/Activate.h>
 #include <openvdb/tools/ChangeBackground.h>
-#include <openvdb/tools/Composite.h>
-#include <openvdb/tools/GridTransformer.h>
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/Prune.h>
@@ -21,8 +19,8 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <numeric>
 #include <optional>
-#include <tuple>
 #include <type_traits>
 #include <vector>
 
@@ -40,20 +38,6 @@ void multiply(GridT& grid, double by) {
         grid.tree(), typename GridT::ValueType(grid.background() * static_cast<Element>(by)));
 }
 
-template <class GridT>
-typename GridT::Ptr moved(const GridT& grid, const VectorGrid* motion, double time,
-                          Transport transport) {
-    return motion && time != 0 ? advected(grid, *motion, time, transport == Transport::mac_cormack)
-                               : grid.deepCopy();
-}
-
-double sum_of(const FloatGrid& grid) {
-    double out = 0;
-    for (auto value = grid.cbeginValueOn(); value; ++value)
-        out += static_cast<double>(*value) * static_cast<double>(value.getVoxelCount());
-    return out;
-}
-
 /// Ends the narrow band of a level set where its distances do.
 void trim(FloatGrid& grid) {
     const float background = grid.background();
@@ -68,87 +52,137 @@ void trim(FloatGrid& grid) {
     openvdb::tools::pruneLevelSet(grid.tree());
 }
 
-/// A float or vector grid between two of its frames, of which one may be null: then the other
-/// fades.
-template <class GridT>
-typename GridT::ConstPtr grid_between(const GridT* a, const GridT* b, double share,
-                                      const VectorGrid* motion, Transport transport) {
-    const auto& first = a ? *a : *b;
-    const bool level_set = first.getGridClass() == openvdb::GRID_LEVEL_SET;
-    typename GridT::Ptr out;
-    for (const auto& [grid, time, weight] :
-         {std::tuple(a, share, 1 - share), std::tuple(b, share - 1, share)}) {
-        if (!grid) continue;
-        auto part = moved(*grid, motion, time, transport);
-        // A distance can't fade.
-        if (!level_set || (a && b)) multiply(*part, weight);
-        if (part->transform() != first.transform()) {
-            const auto matched = GridT::create(part->background());
-            matched->setTransform(first.transform().copy());
-            openvdb::tools::resampleToMatch<openvdb::tools::BoxSampler>(*part, *matched);
-            part = matched;
-        }
-        if (out) openvdb::tools::compSum(*out, *part);
-        else out = part;
-    }
-    if constexpr (std::is_same_v<GridT, FloatGrid>) {
-        // A mean of distances is nearly one. Distances made anew would move the surface.
-        if (level_set) return trim(*out), out;
-        // Motion that converges or diverges would make the mass pulsate from frame to frame.
-        const double wanted = (a ? (1 - share) * sum_of(*a) : 0) + (b ? share * sum_of(*b) : 0),
-                     by = wanted / sum_of(*out);
-        if (by > 0.5 && by < 2) multiply(*out, by);
-    }
-    openvdb::tools::deactivate(out->tree(), out->background());
-    openvdb::tools::pruneInactive(out->tree());
-    return out;
-}
-
 /// Activates what lies inside of a level set, down to voxels.
 void activate_inside(FloatGrid& grid, const FloatGrid& of) {
     grid.tree().topologyUnion(openvdb::tools::sdfInteriorMask(of)->tree());
 }
 
+/// The ways from both frames to the moment that each place shows. Null: nothing moves.
+struct Ways {
+    VectorGrid::ConstPtr from_a, from_b;
+    Transport transport = Transport::semi_lagrangian;
+};
+
+/// The motion, multiplied by a number that differs from place to place.
+VectorGrid::ConstPtr part_of(const VectorGrid& motion, const ShareAt& by) {
+    const auto out = motion.deepCopy();
+    out->tree().voxelizeActiveTiles();
+    openvdb::tree::LeafManager<VectorGrid::TreeType> leaves(out->tree());
+    leaves.foreach ([&](auto& leaf, std::size_t) {
+        for (auto value = leaf.beginValueOn(); value; ++value)
+            value.setValue(*value * static_cast<float>(by(out->indexToWorld(value.getCoord()))));
+    });
+    return out;
+}
+
+Ways ways_of(const VectorGrid* motion, const ShareAt& share, Transport transport) {
+    if (!motion) return {};
+    return {part_of(*motion, share),
+            part_of(*motion, [&](const openvdb::Vec3d& world) { return share(world) - 1; }),
+            transport};
+}
+
+/// A frame's grid, and the same moved to the moment that each place shows. Both may be null.
+template <class GridT>
+struct Side {
+    const GridT* grid;
+    typename GridT::ConstPtr moved;
+
+    Side(const GridT* of, const VectorGrid::ConstPtr& way, Transport transport) : grid(of) {
+        if (of && way) moved = advected(*of, *way, 1, transport == Transport::mac_cormack);
+    }
+    const GridT* shown() const { return moved ? moved.get() : grid; }
+};
+
+/// Values of a grid at voxels of another.
+template <class GridT>
+class ValuesAt {
+public:
+    /// @param of  null: nothing but the background of `voxels`
+    ValuesAt(const GridT* of, const GridT& voxels) : of_(of), voxels_(voxels) {
+        if (!of) return;
+        values_.emplace(of->getConstAccessor());
+        alike_ = of->transform() == voxels.transform();
+    }
+    auto operator()(const openvdb::Coord& at) const {
+        if (!of_) return voxels_.background();
+        return alike_ ? values_->getValue(at)
+                      : openvdb::tools::BoxSampler::sample(
+                            *values_, of_->worldToIndex(voxels_.indexToWorld(at)));
+    }
+
+private:
+    const GridT* of_;
+    const GridT& voxels_;
+    std::optional<typename GridT::ConstAccessor> values_;
+    bool alike_ = false;
+};
+
+/// Multiplies what lies between two frames so that it sums up to what lies between their sums:
+/// motion that converges or diverges would make mass pulsate from frame to frame.
+/// @param wanted, got  sums over these voxels, by leaf
+void keep_mass(openvdb::tree::LeafManager<FloatGrid::TreeType>& leaves, const FloatGrid& grid,
+               const ShareAt& share, const std::vector<double>& wanted,
+               const std::vector<double>& got) {
+    const double by = std::accumulate(wanted.begin(), wanted.end(), 0.0) /
+                      std::accumulate(got.begin(), got.end(), 0.0);
+    if (!(by > 0.5 && by < 2)) return;
+    leaves.foreach ([&](auto& leaf, std::size_t) {
+        for (auto value = leaf.beginValueOn(); value; ++value)
+            if (const double part = share(grid.indexToWorld(value.getCoord()));
+                part > 0 && part < 1)
+                value.setValue(static_cast<float>(*value * by));
+    });
+}
+
 /// A float or vector grid of two frames, of which one may be null: then the other fades.
 template <class GridT>
-typename GridT::ConstPtr grid_mixed(const GridT* a, const GridT* b,
-                                    const std::function<double(const openvdb::Vec3d&)>& share) {
-    const auto& first = a ? *a : *b;
-    const auto out = first.deepCopy();
-    const bool alike = a && b && a->transform() == b->transform();
-    if (alike) out->topologyUnion(*b);
-    if constexpr (std::is_same_v<GridT, FloatGrid>)
+typename GridT::ConstPtr grid_mixed(const GridT* first, const GridT* second, const ShareAt& share,
+                                    const Ways& ways) {
+    constexpr bool floats = std::is_same_v<GridT, FloatGrid>;
+    const Side<GridT> a(first, ways.from_a, ways.transport), b(second, ways.from_b, ways.transport);
+    const auto& header = first ? *first : *second;
+    const bool level_set = header.getGridClass() == openvdb::GRID_LEVEL_SET;
+    // A distance can't fade.
+    if (level_set && !(first && second) && ways.from_a) return (first ? a : b).moved;
+    const auto out = header.deepCopy();
+    for (const auto* const each : {first, second, a.shown(), b.shown()}) {
+        if (!each || each->transform() != out->transform()) continue;
+        out->topologyUnion(*each);
         // Beyond the narrow bands, the sign alone tells the sides apart.
-        if (alike && first.getGridClass() == openvdb::GRID_LEVEL_SET) {
-            activate_inside(*out, *a);
-            activate_inside(*out, *b);
-        }
+        if constexpr (floats)
+            if (level_set) activate_inside(*out, *each);
+    }
     out->tree().voxelizeActiveTiles();
     using Value = typename GridT::ValueType;
     using Element = typename openvdb::VecTraits<Value>::ElementType;
-    const auto nothing = first.background();
     openvdb::tree::LeafManager<typename GridT::TreeType> leaves(out->tree());
-    leaves.foreach ([&](auto& leaf, std::size_t) {
-        std::optional<typename GridT::ConstAccessor> old, now;
-        if (a) old.emplace(a->getConstAccessor());
-        if (b) now.emplace(b->getConstAccessor());
+    std::vector<double> wanted(leaves.leafCount()), got(wanted);
+    leaves.foreach ([&](auto& leaf, std::size_t n) {
+        const ValuesAt<GridT> old(first, *out), now(second, *out), old_moved(a.shown(), *out),
+            now_moved(b.shown(), *out);
         for (auto value = leaf.beginValueOn(); value; ++value) {
             const auto at = value.getCoord();
-            const auto world = out->indexToWorld(at);
-            const auto part = static_cast<Element>(share(world));
-            const Value before = a ? old->getValue(at) : nothing;
-            const Value after =
-                !b            ? nothing
-                : alike || !a ? now->getValue(at)
-                              : openvdb::tools::BoxSampler::sample(*now, b->worldToIndex(world));
+            const auto part = static_cast<Element>(share(out->indexToWorld(at)));
             // One side alone keeps its bits.
-            if (part == 0 || before == after) value.setValue(before);
-            else if (part == 1) value.setValue(after);
-            else value.setValue(Value(before * (1 - part) + after * part));
+            if (part == 0) value.setValue(old(at));
+            else if (part == 1) value.setValue(now(at));
+            else {
+                const Value before = old_moved(at), after = now_moved(at);
+                value.setValue(before == after ? before
+                                               : Value(before * (1 - part) + after * part));
+                if constexpr (floats) {
+                    wanted[n] += double((1 - part) * old(at) + part * now(at));
+                    got[n] += double(*value);
+                }
+            }
         }
     });
-    if constexpr (std::is_same_v<GridT, FloatGrid>)
-        if (first.getGridClass() == openvdb::GRID_LEVEL_SET) return trim(*out), out;
+    if constexpr (floats) {
+        // A mean of distances is nearly one. Distances made anew would move the surface.
+        if (level_set) return trim(*out), out;
+        if (ways.from_a) keep_mass(leaves, *out, share, wanted, got);
+    }
     openvdb::tools::deactivate(out->tree(), out->background());
     openvdb::tools::pruneInactive(out->tree());
     return out;
@@ -156,8 +190,7 @@ typename GridT::ConstPtr grid_mixed(const GridT* a, const GridT* b,
 
 /// A grid of two frames whose values can't be mixed: each voxel is that of the nearer side.
 template <class GridT>
-typename GridT::ConstPtr grid_chosen(const GridT& a, const GridT& b,
-                                     const std::function<double(const openvdb::Vec3d&)>& share) {
+openvdb::GridBase::ConstPtr grid_chosen(const GridT& a, const GridT& b, const ShareAt& share) {
     const auto out = a.deepCopy();
     out->topologyUnion(b);
     out->tree().voxelizeActiveTiles();
@@ -172,6 +205,20 @@ typename GridT::ConstPtr grid_chosen(const GridT& a, const GridT& b,
         }
     });
     out->pruneGrid();
+    return out;
+}
+
+/// The same of any type that can be carved; null: of others, or of two types.
+openvdb::GridBase::ConstPtr grid_chosen(const openvdb::GridBase::ConstPtr& a,
+                                        const openvdb::GridBase::ConstPtr& b,
+                                        const ShareAt& share) {
+    openvdb::GridBase::ConstPtr out;
+#define FLUIDCARVE_TRY(GridT)                                                                     \
+    if (a->isType<GridT>() && b->isType<GridT>())                                                 \
+        out = grid_chosen(*openvdb::GridBase::grid<GridT>(a), *openvdb::GridBase::grid<GridT>(b), \
+                          share);
+    FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_TRY)
+#undef FLUIDCARVE_TRY
     return out;
 }
 
@@ -205,13 +252,16 @@ float sample(const Plane& plane, double x, double y) {
                               : plane.at(across < 0.5f ? left : right, along < 0.5f ? down : up);
 }
 
-/// A picture's channel between two frames, as grid_between(); but what lies beyond the rim is what
-/// lies there.
-Plane picture_between(const Plane& a, const Plane& b, double share, const VectorGrid* motion,
-                      const openvdb::math::Transform& transform) {
+/// A picture's channel of two frames, as grid_mixed(); but what lies beyond the rim is what lies
+/// there. @param motion  null: nothing moves
+Plane picture_mixed(const Plane& a, const Plane& b, const ShareAt& share, const VectorGrid* motion,
+                    const openvdb::math::Transform& transform) {
     const double voxel = transform.voxelSize().x();
     const int z = a.box.min().z();
     return picture(a.box, [&](int x, int y) {
+        const double part = share(transform.indexToWorld(openvdb::Coord(x, y, z)));
+        if (part == 0) return a.at(x, y);
+        if (part == 1) return b.at(x, y);
         const auto way = [&](double at_x, double at_y) {
             return motion ? openvdb::Vec3d(openvdb::tools::BoxSampler::sample(
                                 motion->constTree(), openvdb::Vec3d(at_x, at_y, z))) /
@@ -223,20 +273,21 @@ Plane picture_between(const Plane& a, const Plane& b, double share, const Vector
                        middle = way(x - 0.5 * time * first.x(), y - 0.5 * time * first.y());
             return sample(plane, x - time * middle.x(), y - time * middle.y());
         };
-        const float before = at(a, share), after = at(b, share - 1);
-        const auto out = static_cast<float>((1 - share) * before + share * after);
-        return std::isfinite(out) ? out : share < 0.5 ? before : after;
+        const float before = at(a, part), after = at(b, part - 1);
+        if (before == after) return before;
+        const auto out = static_cast<float>((1 - part) * before + part * after);
+        return std::isfinite(out) ? out : part < 0.5 ? before : after;
     });
 }
 
-/// The grids of one of two volumes, the floats and vectors among them mixed of both.
-/// @param mix      makes a grid of two of one type, of which one may be null
-/// @param choose   makes a grid of two, of which none is null, whose values can't be mixed
-/// @param picture  makes a picture's channel of two
-/// @param points   makes points of two
-template <class Mix, class Choose, class Picture, class MixPoints>
-Volume paired(const Volume& a, const Volume& b, const Volume& nearer, const Mix& mix,
-              const Choose& choose, const Picture& picture, const MixPoints& points) {
+/// The volume of two, by a share of the second that differs from place to place.
+/// @param nearer  `a` or `b`: its grids are those of the result
+/// @param motion  from `a` to `b`; null: nothing moves
+/// @param points  makes points of two
+template <class MixPoints>
+Volume mixed(const Volume& a, const Volume& b, const ShareAt& share, const Volume& nearer,
+             const VectorGrid* motion, Transport transport, const MixPoints& points) {
+    const auto ways = ways_of(motion, share, transport);
     const auto first = a.unique_names(), second = b.unique_names(), names = nearer.unique_names();
     const auto in = [](const Volume& volume, const std::vector<std::string>& all,
                        const std::string& name) {
@@ -248,24 +299,23 @@ Volume paired(const Volume& a, const Volume& b, const Volume& nearer, const Mix&
     for (std::size_t n = 0; n < out.grids.size(); ++n) {
         auto& held = out.grids[n];
         const auto before = in(a, first, names[n]), after = in(b, second, names[n]);
-        const auto mixed = [&]<class GridT>(const GridT*) {
+        const auto mix = [&]<class GridT>(const GridT*) {
             const auto old = before ? openvdb::gridConstPtrCast<GridT>(before.grid()) : nullptr,
                        now = after ? openvdb::gridConstPtrCast<GridT>(after.grid()) : nullptr;
-            held = held.holding(mix(old.get(), now.get()));
+            held = held.holding(grid_mixed(old.get(), now.get(), share, ways));
         };
         if (held.header().isType<FloatGrid>()) {
             if (before && after && before.plane() && after.plane() &&
                 before.plane()->box == after.plane()->box)
-                held =
-                    VolumeGrid(held.header().copyGridWithNewTree(),
-                               picture(*before.plane(), *after.plane(), held.header().transform()));
-            else mixed(static_cast<const FloatGrid*>(nullptr));
-        } else if (held.header().isType<VectorGrid>())
-            mixed(static_cast<const VectorGrid*>(nullptr));
+                held = VolumeGrid(held.header().copyGridWithNewTree(),
+                                  picture_mixed(*before.plane(), *after.plane(), share, motion,
+                                                held.header().transform()));
+            else mix(static_cast<const FloatGrid*>(nullptr));
+        } else if (held.header().isType<VectorGrid>()) mix(static_cast<const VectorGrid*>(nullptr));
         else if (is_point_grid(held.header()) && before && after)
             held = held.holding(points(points_in(before), points_in(after)).grid);
         else if (before && after && before.header().transform() == after.header().transform())
-            if (const auto chosen = choose(before.grid(), after.grid()))
+            if (const auto chosen = grid_chosen(before.grid(), after.grid(), share))
                 held = held.holding(chosen);
     }
     return out;
@@ -273,51 +323,29 @@ Volume paired(const Volume& a, const Volume& b, const Volume& nearer, const Mix&
 
 }  // namespace
 
+Volume volume_between(const Volume& a, const Volume& b, const ShareAt& share, const Volume& nearer,
+                      const VectorGrid* motion, Transport transport) {
+    return mixed(a, b, share, nearer, motion, transport, [&](const Points& old, const Points& now) {
+        const auto name = velocity_name(old);
+        return points_between(old, now, share, &nearer == &a ? old : now,
+                              {name, name.empty() ? 0 : point_scale(old, now, name)});
+    });
+}
+
 Volume volume_between(const Volume& a, const Volume& b, double share, const VectorGrid* motion,
                       Transport transport) {
-    return paired(
-        a, b, share < 0.5 ? a : b,
-        [&](const auto* old, const auto* now) {
-            return grid_between(old, now, share, motion, transport);
-        },
-        [](const auto&, const auto&) { return openvdb::GridBase::ConstPtr(); },
-        [&](const Plane& old, const Plane& now, const openvdb::math::Transform& place) {
-            return picture_between(old, now, share, motion, place);
-        },
-        [&](const Points& old, const Points& now) {
-            const auto name = velocity_name(old);
-            return points_between(old, now, share,
-                                  {name, name.empty() ? 0 : point_scale(old, now, name)});
-        });
+    return volume_between(
+        a, b, [share](const openvdb::Vec3d&) { return share; }, share < 0.5 ? a : b, motion,
+        transport);
 }
 
 Volume volume_mixed(const Volume& a, const Volume& b, const ShareAt& share, const Volume& nearer,
                     const ShareAt& of_points) {
-    return paired(
-        a, b, nearer, [&](const auto* old, const auto* now) { return grid_mixed(old, now, share); },
-        [&](const openvdb::GridBase::ConstPtr& old, const openvdb::GridBase::ConstPtr& now) {
-            openvdb::GridBase::ConstPtr out;
-#define FLUIDCARVE_TRY(GridT)                                   \
-    if (old->isType<GridT>() && now->isType<GridT>())           \
-        out = grid_chosen(*openvdb::GridBase::grid<GridT>(old), \
-                          *openvdb::GridBase::grid<GridT>(now), share);
-            FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_TRY)
-#undef FLUIDCARVE_TRY
-            return out;
-        },
-        [&](const Plane& old, const Plane& now, const openvdb::math::Transform& place) {
-            const int z = old.box.min().z();
-            return picture(old.box, [&](int x, int y) {
-                const auto part =
-                    static_cast<float>(share(place.indexToWorld(openvdb::Coord(x, y, z))));
-                const float before = old.at(x, y), after = now.at(x, y);
-                if (part == 0 || before == after) return before;
-                return part == 1 ? after : before * (1 - part) + after * part;
-            });
-        },
-        [&](const Points& old, const Points& now) {
-            return points_mixed(old, now, of_points ? of_points : share, &nearer == &a ? old : now);
-        });
+    return mixed(a, b, share, nearer, nullptr, Transport::semi_lagrangian,
+                 [&](const Points& old, const Points& now) {
+                     return points_mixed(old, now, of_points ? of_points : share,
+                                         &nearer == &a ? old : now);
+                 });
 }
 
 Volume scaled(const Volume& volume, const std::string& name, double by) {

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "carve/base/values.h"
+#include "carve/time/points_between.h"
 #include "carve/volume/volume.h"
 
 #include <array>
-#include <functional>
 #include <string>
 #include <utility>
 
@@ -19,18 +19,21 @@ struct ChoiceNames<Transport> {
                                          std::pair{"mac_cormack", Transport::mac_cormack}};
 };
 
-/// The volume at a moment between two frames. Numbers and vectors come from both frames, moved
-/// along the motion, in the shares of the moment; points go along their own velocities, as
-/// points_between(); whole numbers and masks are those of the nearer frame. A float grid that is no
-/// level set sums up to what lies between the sums of both frames. A grid that only one frame has
-/// fades. A picture's channel moves in its plane; what lies beyond its rim is what lies there.
-/// @param share   of the way from `a` to `b`, between 0 and 1
+/// The volume at a moment between two frames, which may differ from place to place. Numbers and
+/// vectors come from both frames, moved along the motion, in the shares of the moment; points go
+/// along their own velocities, as points_between(); whole numbers, doubles and masks are those of
+/// the nearer frame. A float grid that is no level set sums up to what lies between the sums of
+/// both frames. A grid that only one frame has fades. A picture's channel moves in its plane; what
+/// lies beyond its rim is what lies there. Where the share is 0 or 1, all is bit for bit that of
+/// one frame.
+/// @param share   of the way from `a` to `b`
+/// @param nearer  `a` or `b`: its grids are those of the result
 /// @param motion  from `a` to `b`, world units; null: nothing moves
+Volume volume_between(const Volume& a, const Volume& b, const ShareAt& share, const Volume& nearer,
+                      const VectorGrid* motion, Transport transport);
+/// The same with one moment for all places.
 Volume volume_between(const Volume& a, const Volume& b, double share, const VectorGrid* motion,
                       Transport transport);
-
-/// A share, from 0 to 1, at a world position.
-using ShareAt = std::function<double(const openvdb::Vec3d&)>;
 
 /// The volume of two, by a share of the second that differs from place to place. Points as
 /// points_mixed(); whole numbers, doubles and masks are those of the nearer one, voxel by voxel.

@@ -7,6 +7,7 @@
 #include <openvdb/math/BBox.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -143,73 +144,89 @@ double scale_without_ids(const Cloud& a, const Cloud& b) {
 /// Finds the points at a moment between two frames.
 class Between {
 public:
-    Between(const Points& a, const Points& b, double share, const PointMotion& motion)
-        : a_(a, motion.velocity), b_(b, motion.velocity), share_(share), scale_(motion.scale) {}
+    Between(const Points& a, const Points& b, const ShareAt& share, const PointMotion& motion)
+        : a_(a, motion.velocity),
+          b_(b, motion.velocity),
+          share_(share),
+          scale_(motion.scale),
+          velocities_{vectors_of(a, motion.velocity), vectors_of(b, motion.velocity)} {}
 
     bool have_ids() const { return !a_.ids.empty() && !b_.ids.empty(); }
     const std::vector<PointImage>& images() const { return images_; }
+    /// Velocities of the points of `a`, or of `b`, as they are shown.
+    const std::vector<Vec3d>& velocities(bool of_a) const { return velocities_[of_a ? 0 : 1]; }
 
     /// One that both frames have goes from place to place; others come and go one by one.
-    /// @param velocities  of the nearer frame; become those at this moment
-    void by_ids(std::vector<Vec3d>& velocities) {
-        const bool first = share_ < 0.5;
+    void by_ids() {
         each_id(
             a_, b_,
             [&](std::size_t x, std::size_t y) {
+                const double share = share_(a_.at[x]);
+                const bool first = share < 0.5;
                 show(first ? x : y, first,
-                     on_the_way(a_.at[x], b_.at[y], a_.motion(x, scale_), b_.motion(y, scale_),
-                                share_));
-                if (!a_.velocity.empty() && !b_.velocity.empty())
-                    velocities[first ? x : y] =
-                        (1 - share_) * a_.velocity[x] + share_ * b_.velocity[y];
+                     share == 0   ? a_.at[x]
+                     : share == 1 ? b_.at[y]
+                                  : on_the_way(a_.at[x], b_.at[y], a_.motion(x, scale_),
+                                               b_.motion(y, scale_), share));
+                if (!a_.velocity.empty() && !b_.velocity.empty() && share > 0 && share < 1)
+                    velocities_[first ? 0 : 1][first ? x : y] =
+                        (1 - share) * a_.velocity[x] + share * b_.velocity[y];
             },
             [&](std::size_t n, bool of_a, std::uint64_t id) {
-                if (of_a == (share_ < moment_of(id))) show(n, of_a, moved(n, of_a));
+                if (of_a == (share_of(n, of_a) < moment_of(id))) show(n, of_a, moved(n, of_a));
             });
         std::ranges::sort(images_, std::less<>(), &PointImage::source);
     }
 
-    /// All of the nearer frame.
-    void nearer() {
-        const bool first = share_ < 0.5;
-        for (std::size_t n = 0; n < (first ? a_ : b_).at.size(); ++n)
-            show(n, first, moved(n, first));
+    /// All of one frame.
+    void all_of(bool a) {
+        for (std::size_t n = 0; n < (a ? a_ : b_).at.size(); ++n) show(n, a, moved(n, a));
     }
 
     /// Those of the nearer frame, and where they leave a gap those of the other; but nothing where
     /// neither frame has points: so what flows in and out does not move its ends.
     void without_ids() {
-        const bool first = share_ < 0.5;
-        nearer();
+        for (const bool of_a : {true, false})
+            for (std::size_t n = 0; n < (of_a ? a_ : b_).at.size(); ++n)
+                if ((share_of(n, of_a) < 0.5) == of_a) show(n, of_a, moved(n, of_a));
         if (a_.at.empty() || b_.at.empty()) return;
         const Cells a(a_.at), b(b_.at);
-        const double near = (first ? a : b).spacing();
-        const auto beyond = [&](const Vec3d& at) {
+        const auto beyond = [&](const Vec3d& at, double near) {
             return a.nearest(at) > near && b.nearest(at) > near;
         };
-        std::erase_if(images_, [&](const PointImage& image) { return beyond(image.position); });
+        std::erase_if(images_, [&](const PointImage& image) {
+            return beyond(image.position, (image.source < a_.at.size() ? a : b).spacing());
+        });
         std::vector<Vec3d> held;
         for (const auto& image : images_) held.push_back(image.position);
         if (held.empty()) return;
         const Cells there(held);
-        for (std::size_t n = 0; n < (first ? b_ : a_).at.size(); ++n)
-            if (const auto at = moved(n, !first); there.nearest(at) > near && !beyond(at))
-                show(n, !first, at);
+        for (const bool of_a : {true, false})
+            for (std::size_t n = 0; n < (of_a ? a_ : b_).at.size(); ++n) {
+                const double share = share_of(n, of_a), near = (of_a ? b : a).spacing();
+                if ((share < 0.5) == of_a || share == 0 || share == 1) continue;
+                if (const auto at = moved(n, of_a); there.nearest(at) > near && !beyond(at, near))
+                    show(n, of_a, at);
+            }
         std::ranges::sort(images_, std::less<>(), &PointImage::source);
     }
 
 private:
+    double share_of(std::size_t n, bool of_a) const { return share_((of_a ? a_ : b_).at[n]); }
     /// Points of `b` count on from those of `a`.
     void show(std::size_t n, bool of_a, const Vec3d& at) {
         images_.push_back({static_cast<std::uint32_t>((of_a ? 0 : a_.at.size()) + n), true, at});
     }
     Vec3d moved(std::size_t n, bool of_a) const {
-        return of_a ? a_.at[n] + share_ * a_.motion(n, scale_)
-                    : b_.at[n] - (1 - share_) * b_.motion(n, scale_);
+        const double share = share_of(n, of_a);
+        return of_a ? a_.at[n] + share * a_.motion(n, scale_)
+                    : b_.at[n] - (1 - share) * b_.motion(n, scale_);
     }
 
     Cloud a_, b_;
-    double share_, scale_;
+    const ShareAt& share_;
+    double scale_;
+    std::array<std::vector<Vec3d>, 2> velocities_;
     std::vector<PointImage> images_;
 };
 
@@ -238,8 +255,7 @@ double point_scale(const Points& a, const Points& b, const std::string& velocity
     return square > 0 ? along / square : 0;
 }
 
-Points points_mixed(const Points& a, const Points& b,
-                    const std::function<double(const Vec3d&)>& share, const Points& nearer) {
+Points points_mixed(const Points& a, const Points& b, const ShareAt& share, const Points& nearer) {
     if (!alike(a, b)) return nearer;
     std::vector<PointImage> images;
     const auto shown = [&](std::uint64_t id, const Vec3d& at) { return share(at) > moment_of(id); };
@@ -264,22 +280,29 @@ Points points_mixed(const Points& a, const Points& b,
     return with_images(a, images, &b);
 }
 
-Points points_between(const Points& a, const Points& b, double share, const PointMotion& motion) {
+Points points_between(const Points& a, const Points& b, const ShareAt& share, const Points& nearer,
+                      const PointMotion& motion) {
     Between between(a, b, share, motion);
-    const bool first = share < 0.5;
-    const auto& nearer = first ? a : b;
+    const bool first = &nearer == &a;
     if (!alike(a, b)) {
-        between.nearer();
+        between.all_of(first);
         auto images = between.images();
         for (auto& image : images) image.source -= static_cast<std::uint32_t>(first ? 0 : a.size());
         return with_images(nearer, images);
     }
-    auto velocities = vectors_of(nearer, motion.velocity);
-    if (between.have_ids()) between.by_ids(velocities);
+    if (between.have_ids()) between.by_ids();
     else between.without_ids();
-    const auto shown =
-        velocities.empty() ? nearer : with_vectors(nearer, motion.velocity, velocities);
-    return with_images(first ? shown : a, between.images(), first ? &b : &shown);
+    const auto shown = [&](const Points& points, bool of_a) {
+        const auto& velocities = between.velocities(of_a);
+        return velocities.empty() ? points : with_vectors(points, motion.velocity, velocities);
+    };
+    const auto from = shown(a, true), to = shown(b, false);
+    return with_images(from, between.images(), &to);
+}
+
+Points points_between(const Points& a, const Points& b, double share, const PointMotion& motion) {
+    return points_between(
+        a, b, [share](const Vec3d&) { return share; }, share < 0.5 ? a : b, motion);
 }
 
 }  // namespace fluidcarve

@@ -19,12 +19,20 @@ struct PointMotion {
 /// The points of a volume's grid. @throws Failure if the grid is damaged
 Points points_in(const VolumeGrid& held);
 
-/// The points at a moment between two frames. One that both frames have, by its `id`, goes from
+/// A share, from 0 to 1, at a world position.
+using ShareAt = std::function<double(const openvdb::Vec3d&)>;
+
+/// The points at a moment between two frames, which may differ from place to place. One that both frames have, by its `id`, goes from
 /// place to place along its velocities. One that only one of them has appears, or vanishes, at a
 /// moment of its own, so that their number changes evenly. Without ids, the points are those of the
 /// nearer frame, moved along their velocities. Attributes are those of the nearer frame; velocities
 /// of points that both have lie between. A velocity that is not finite counts as 0.
-/// @param share  of the way from `a` to `b`, between 0 and 1
+/// @param share   of the way from `a` to `b`, where a point is in its frame, or in `a` if both have
+///   it
+/// @param nearer  `a` or `b`: shown alone if the two have other attributes
+Points points_between(const Points& a, const Points& b, const ShareAt& share, const Points& nearer,
+                      const PointMotion& motion);
+/// The same with one moment for all places.
 Points points_between(const Points& a, const Points& b, double share, const PointMotion& motion);
 
 /// The points of two frames, by a share of the second that differs from place to place: each point
@@ -33,9 +41,7 @@ Points points_between(const Points& a, const Points& b, double share, const Poin
 /// other attributes, those of the nearer one.
 /// @param share   at a world position, from 0 to 1
 /// @param nearer  `a` or `b`
-Points points_mixed(const Points& a, const Points& b,
-                    const std::function<double(const openvdb::Vec3d&)>& share,
-                    const Points& nearer);
+Points points_mixed(const Points& a, const Points& b, const ShareAt& share, const Points& nearer);
 
 /// The scale at which the velocities of two frames say best where their points go. With ids by
 /// least squares; else that at which points, moved, come nearest to points of the other frame.

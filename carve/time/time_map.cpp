@@ -54,12 +54,13 @@ std::vector<float> weights_of(int fade) {
 
 }  // namespace
 
-TimeMap::TimeMap(const Seams& seams, const Lattice& lattice, std::size_t count, int fade)
+TimeMap::TimeMap(const Seams& seams, const Lattice& lattice, std::size_t count,
+                 const TimeJoin& join)
     : shape_(seams.shape),
       mapping_(required(seams, lattice)),
       frames_(seams.carved() + (seams.paired() ? 0 : growth(seams.kind, static_cast<int>(count)))),
       source_frames_(seams.carved()),
-      fade_(fade),
+      join_(join),
       closed_(seams.closed),
       around_(seams.around) {
     if (count > seams.size())
@@ -78,12 +79,42 @@ int TimeMap::source_of(std::size_t vertex, int n) const {
     return std::clamp(n + static_cast<int>(std::floor(0.5 * halves)), 0, source_frames_ - 1);
 }
 
-std::vector<TimeMap::Seen> TimeMap::seen(int n) const {
-    // The first and the last frame stay as they are.
-    const int fade = std::min({fade_, n + 1, frames_ - n});
+int TimeMap::source_of(std::size_t vertex, int n, int behind) const {
+    return std::clamp(source_of(vertex, n + behind) - behind, 0, source_frames_ - 1);
+}
+
+std::size_t TimeMap::vertices() const {
+    return static_cast<std::size_t>(shape_[0]) * static_cast<std::size_t>(shape_[1]) *
+           static_cast<std::size_t>(shape_[2]);
+}
+
+TimeMap::Moments TimeMap::moments(int n) const {
+    const int fade = fade_at(n);
     const auto weights = weights_of(fade);
-    const auto vertices = static_cast<std::size_t>(shape_[0]) *
-                          static_cast<std::size_t>(shape_[1]) * static_cast<std::size_t>(shape_[2]);
+    Moments out;
+    out.at.resize(vertices());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, out.at.size(), 4096),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                          for (auto c = range.begin(); c < range.end(); ++c) {
+                              // From where it is now, so that whole moments stay whole.
+                              const int now = source_of(c, n);
+                              float sum = 0;
+                              for (int m = 1 - fade; m < fade; ++m)
+                                  sum += weights[static_cast<std::size_t>(m + fade - 1)] *
+                                         static_cast<float>(source_of(c, n, m) - now);
+                              out.at[c] = static_cast<float>(now) + sum;
+                          }
+                      });
+    auto sorted = out.at;
+    const auto middle = sorted.begin() + std::ssize(sorted) / 2;
+    std::ranges::nth_element(sorted, middle);
+    out.outside = std::round(*middle);
+    return out;
+}
+
+std::vector<TimeMap::Seen> TimeMap::seen(int n) const {
+    const int fade = fade_at(n);
+    const auto weights = weights_of(fade);
     const auto places = static_cast<std::size_t>(source_frames_);
     // Of each place in the source, how many vertices show it now, and whether any does soon.
     struct Shown {
@@ -91,15 +122,13 @@ std::vector<TimeMap::Seen> TimeMap::seen(int n) const {
         std::vector<char> soon;
     };
     const auto place_at = [&](std::size_t vertex, int m) {
-        const int at = n + m;
-        return static_cast<std::size_t>(
-            std::clamp(n + source_of(vertex, at) - at, 0, source_frames_ - 1));
+        return static_cast<std::size_t>(source_of(vertex, n, m));
     };
     tbb::enumerable_thread_specific<Shown> counts([&] {
         return Shown{std::vector<std::size_t>(places), std::vector<char>(places)};
     });
     const auto each = [&](const auto& visit) {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 4096),
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices(), 4096),
                           [&](const tbb::blocked_range<std::size_t>& range) {
                               for (auto c = range.begin(); c < range.end(); ++c) visit(c);
                           });
@@ -121,9 +150,9 @@ std::vector<TimeMap::Seen> TimeMap::seen(int n) const {
         }
         if (!soon) continue;
         index[place] = out.size();
-        out.push_back({static_cast<int>(place), std::vector<float>(vertices), 0});
+        out.push_back({static_cast<int>(place), std::vector<float>(vertices()), 0});
         // Of the places that the vertices show, the middle one.
-        if (before <= vertices / 2 && before + now > vertices / 2) out.back().outside = 1;
+        if (before <= vertices() / 2 && before + now > vertices() / 2) out.back().outside = 1;
         before += now;
     }
     each([&](std::size_t c) {
@@ -170,14 +199,57 @@ std::optional<TimeMap::Corners> TimeMap::corners_at(const openvdb::Vec3d& world,
     return out;
 }
 
-Volume TimeMap::frame(const Sequence& source, int n) const {
+Volume TimeMap::frame(const Sequence& source, const Motions& motions, int n) const {
+    return join_.moved ? moved(source, motions, n) : blended(source, n);
+}
+
+Volume TimeMap::moved(const Sequence& source, const Motions& motions, int n) const {
+    const auto moments = this->moments(n);
+    const auto moment_at = [&](const openvdb::Vec3d& world) {
+        const auto corners = corners_at(world, false);
+        if (!corners) return double(moments.outside);
+        // From the first of them on, so that whole moments stay whole.
+        const double first = moments.at[corners->vertex[0]];
+        double out = first;
+        for (std::size_t c = 1; c < 8; ++c)
+            out += double(corners->weight[c]) * (moments.at[corners->vertex[c]] - first);
+        return out;
+    };
+    const auto [least, most] = std::ranges::minmax(moments.at);
+    const int last = static_cast<int>(std::ceil(most));
+    int place = static_cast<int>(std::floor(least));
+    auto out = source.at(static_cast<std::size_t>(place)).volume;
+    for (auto before = out; place < last; ++place) {
+        const auto next = source.at(static_cast<std::size_t>(place + 1)).volume;
+        const auto between = volume_between(
+            before, next,
+            [&](const openvdb::Vec3d& world) {
+                return std::clamp(moment_at(world) - place, 0.0, 1.0);
+            },
+            moments.outside > static_cast<float>(place) ? next : before,
+            motions.from(static_cast<std::size_t>(place)).get(), Transport::semi_lagrangian);
+        // What shows an earlier moment is there already.
+        out = place == static_cast<int>(std::floor(least))
+                  ? between
+                  : volume_mixed(
+                        out, between,
+                        [&](const openvdb::Vec3d& world) {
+                            return moment_at(world) > place ? 1.0 : 0.0;
+                        },
+                        moments.outside > static_cast<float>(place) ? between : out);
+        before = next;
+    }
+    return out;
+}
+
+Volume TimeMap::blended(const Sequence& source, int n) const {
     const auto all = seen(n);
     auto out = source.at(static_cast<std::size_t>(all.front().place)).volume;
     for (std::size_t last = 1; last < all.size(); ++last) {
         const auto next = source.at(static_cast<std::size_t>(all[last].place)).volume;
         // Shares of the places before this one, together, and of this one.
         const auto shares = [&](const openvdb::Vec3d& world) {
-            const auto corners = corners_at(world, fade_ == 1);
+            const auto corners = corners_at(world, join_.fade == 1);
             std::array<float, 2> sums{};
             for (std::size_t m = 0; m <= last; ++m) {
                 float share = corners ? 0 : all[m].outside;

@@ -2,11 +2,14 @@
 
 #include "carve/lattice/lattice.h"
 #include "carve/lattice/mapping.h"
+#include "carve/remap/joining.h"
 #include "carve/seam/carve_step.h"
 #include "carve/seam/seams.h"
+#include "carve/time/motions.h"
 #include "carve/time/sequence.h"
 #include "carve/volume/volume.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -22,16 +25,17 @@ class TimeMap {
 public:
     /// @param seams  of Axis::t
     /// @param count  of them, from the first on
-    /// @param fade   frames in which a place goes over from one frame to another; 1: at once, and
-    ///   every place is that of its nearest vertex. It is shorter towards the sequence's ends.
+    /// @param join   Towards the sequence's ends fades are shorter. Where places go over at once,
+    ///   each is that of its nearest vertex.
     /// @throws Failure if the set is not of this lattice, or not of frames, or holds fewer seams
-    TimeMap(const Seams& seams, const Lattice& lattice, std::size_t count, int fade);
+    TimeMap(const Seams& seams, const Lattice& lattice, std::size_t count, const TimeJoin& join);
 
     int frames() const { return frames_; }  ///< after the carve
     /// A frame of the result.
-    /// @param source  the frames of Seams::frames
-    /// @param n       from 0 to frames() - 1
-    Volume frame(const Sequence& source, int n) const;
+    /// @param source   the frames of Seams::frames
+    /// @param motions  of `source`
+    /// @param n        from 0 to frames() - 1
+    Volume frame(const Sequence& source, const Motions& motions, int n) const;
 
 private:
     /// A frame of the source that is seen in one of the result.
@@ -46,17 +50,33 @@ private:
         std::array<float, 8> weight;
     };
 
+    /// The moment of the source that each place shows in a frame of the result, in frames: 2.5 is
+    /// halfway between its frames 2 and 3.
+    struct Moments {
+        std::vector<float> at;  ///< `[i][k][j]`, at the vertices
+        float outside = 0;      ///< outside the lattice
+    };
+
+    Volume moved(const Sequence& source, const Motions& motions, int n) const;
+    Volume blended(const Sequence& source, int n) const;
+    Moments moments(int n) const;
     /// All that are seen in a frame of the result. Their shares add up to 1 everywhere.
     std::vector<Seen> seen(int n) const;
-    /// The place in the source that a vertex shows, without a fade.
+    std::size_t vertices() const;
+    /// Frames in which places go over in a frame of the result.
+    int fade_at(int n) const { return std::min({join_.fade, n + 1, frames_ - n}); }
+    /// The place in the source that a vertex shows in a frame of the result, without a fade.
     int source_of(std::size_t vertex, int n) const;
+    /// The place that it shows in a frame as many behind, gone back by as many.
+    int source_of(std::size_t vertex, int n, int behind) const;
     /// Nothing outside the lattice.
     std::optional<Corners> corners_at(const openvdb::Vec3d& world, bool nearest) const;
 
     std::vector<CarveStep> steps_;  ///< `[i]`
     std::array<int, 3> shape_;      ///< I, J, K
     Mapping mapping_;
-    int frames_, source_frames_, fade_;
+    int frames_, source_frames_;
+    TimeJoin join_;
     bool closed_, around_;
 };
 

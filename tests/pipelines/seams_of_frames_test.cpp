@@ -160,8 +160,8 @@ TEST_CASE("what can't take seams of frames, and what they can't do, is told befo
                Catch::Contains("'conserve' has no effect on seams of frames"));
     CHECK_THAT(said("1-3,5-6", "count: -1"),
                Catch::Contains("all frames are needed, but between 3 and 5 some are left out"));
-    CHECK_THAT(said("1-6", "count: -1", ", join: squeeze"),
-               Catch::Contains("frames can't be squeezed: state `join: fade` or `cut`"));
+    CHECK_THAT(said("1-6", "count: -1", ", soft_time: 2"),
+               Catch::Contains("`soft_time` has no effect on seams of frames"));
     CHECK_THAT(said("1-6", "count: -1", "",
                     "  thin: {type: seam.greedy, energy: edges, lattice: box, count: -1}\n"
                     "  both: {type: remap.grids, source: sim, lattice: box, seams: [thin, "
