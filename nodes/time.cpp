@@ -7,6 +7,7 @@
 #include "carve/time/thumbnails.h"
 #include "carve/time/time_surface.h"
 #include "graph/types/node_type.h"
+#include "nodes/params/pace_params.h"
 
 #include <fmt/format.h>
 
@@ -117,6 +118,15 @@ public:
                                 {"fade", loop_.fade},
                                 {"difference", loop_.difference}});
         if (loop_.difference > much) context.warn(unlike(params));
+        else if (loop_.first < loop_.fade)
+            context.warn(fmt::format(
+                "the loop's last {} frames fade into what comes before it, but there "
+                "{} {} of the source: its first frame is held instead, so that what "
+                "moves stops there; lower `frames` or `fade`, or give a longer sequence",
+                loop_.fade, loop_.first == 1 ? "is" : "are",
+                loop_.first == 0   ? std::string("no frames")
+                : loop_.first == 1 ? "1 frame"
+                                   : fmt::format("{} frames", loop_.first)));
         find_surface(context);
     }
 
@@ -247,7 +257,7 @@ NodeType time_loop() {
                "more than the loop: else its first frame is held. auto is a quarter.")
         .param("loops", &Params::loops, Unit::none, between(1, 1000),
                "How often the loop is written, one behind the other, to look at it.")
-        .param("start", &Params::start, Unit::frames, any_number(),
+        .param("start", &Params::start, Unit::frames, between(-farthest_frame, farthest_frame),
                "Number of the first frame. auto is that of the source.")
         .output("volume", &Loop::Ports::volume,
                 "The same grids. Frames before the fade stay bit for bit. Points go over one "

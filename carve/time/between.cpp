@@ -8,6 +8,7 @@
 
 #include <openvdb/tools/Activate.h>
 #include <openvdb/tools/ChangeBackground.h>
+#include <openvdb/tools/GridTransformer.h>
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/Prune.h>
@@ -86,36 +87,40 @@ Ways ways_of(const VectorGrid* motion, const ShareAt& share, Transport transport
 template <class GridT>
 struct Side {
     const GridT* grid;
+    typename GridT::Ptr matched;
     typename GridT::ConstPtr moved;
 
-    Side(const GridT* of, const VectorGrid::ConstPtr& way, Transport transport) : grid(of) {
-        if (of && way) moved = advected(*of, *way, 1, transport == Transport::mac_cormack);
+    /// @param like  what is of another transform is sampled on its voxels
+    Side(const GridT* of, const GridT& like, const VectorGrid::ConstPtr& way, Transport transport)
+        : grid(of) {
+        if (!of) return;
+        if (of->transform() != like.transform()) {
+            matched = GridT::create(of->background());
+            matched->setTransform(like.transform().copy());
+            openvdb::tools::resampleToMatch<openvdb::tools::BoxSampler>(*of, *matched);
+            grid = matched.get();
+        }
+        if (way) moved = advected(*grid, *way, 1, transport == Transport::mac_cormack);
     }
     const GridT* shown() const { return moved ? moved.get() : grid; }
 };
 
-/// Values of a grid at voxels of another.
+/// Values of a grid.
 template <class GridT>
-class ValuesAt {
+class ValuesOf {
 public:
-    /// @param of  null: nothing but the background of `voxels`
-    ValuesAt(const GridT* of, const GridT& voxels) : of_(of), voxels_(voxels) {
-        if (!of) return;
-        values_.emplace(of->getConstAccessor());
-        alike_ = of->transform() == voxels.transform();
+    /// @param of  null: nothing but the background
+    ValuesOf(const GridT* of, const typename GridT::ValueType& background)
+        : background_(background) {
+        if (of) values_.emplace(of->getConstAccessor());
     }
     auto operator()(const openvdb::Coord& at) const {
-        if (!of_) return voxels_.background();
-        return alike_ ? values_->getValue(at)
-                      : openvdb::tools::BoxSampler::sample(
-                            *values_, of_->worldToIndex(voxels_.indexToWorld(at)));
+        return values_ ? values_->getValue(at) : background_;
     }
 
 private:
-    const GridT* of_;
-    const GridT& voxels_;
+    typename GridT::ValueType background_;
     std::optional<typename GridT::ConstAccessor> values_;
-    bool alike_ = false;
 };
 
 /// Multiplies what lies between two frames so that it sums up to what lies between their sums:
@@ -140,14 +145,15 @@ template <class GridT>
 typename GridT::ConstPtr grid_mixed(const GridT* first, const GridT* second, const ShareAt& share,
                                     const Ways& ways) {
     constexpr bool floats = std::is_same_v<GridT, FloatGrid>;
-    const Side<GridT> a(first, ways.from_a, ways.transport), b(second, ways.from_b, ways.transport);
     const auto& header = first ? *first : *second;
+    const Side<GridT> a(first, header, ways.from_a, ways.transport),
+        b(second, header, ways.from_b, ways.transport);
     const bool level_set = header.getGridClass() == openvdb::GRID_LEVEL_SET;
     // A distance can't fade.
     if (level_set && !(first && second) && ways.from_a) return (first ? a : b).moved;
     const auto out = header.deepCopy();
-    for (const auto* const each : {first, second, a.shown(), b.shown()}) {
-        if (!each || each->transform() != out->transform()) continue;
+    for (const auto* const each : {a.grid, b.grid, a.shown(), b.shown()}) {
+        if (!each) continue;
         out->topologyUnion(*each);
         // Beyond the narrow bands, the sign alone tells the sides apart.
         if constexpr (floats)
@@ -159,8 +165,9 @@ typename GridT::ConstPtr grid_mixed(const GridT* first, const GridT* second, con
     openvdb::tree::LeafManager<typename GridT::TreeType> leaves(out->tree());
     std::vector<double> wanted(leaves.leafCount()), got(wanted);
     leaves.foreach ([&](auto& leaf, std::size_t n) {
-        const ValuesAt<GridT> old(first, *out), now(second, *out), old_moved(a.shown(), *out),
-            now_moved(b.shown(), *out);
+        const auto values = [&](const GridT* of) { return ValuesOf<GridT>(of, out->background()); };
+        const auto old = values(a.grid), now = values(b.grid), old_moved = values(a.shown()),
+                   now_moved = values(b.shown());
         for (auto value = leaf.beginValueOn(); value; ++value) {
             const auto at = value.getCoord();
             const auto part = static_cast<Element>(share(out->indexToWorld(at)));

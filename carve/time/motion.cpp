@@ -134,6 +134,7 @@ public:
         : box_(bounds_of(a, b, memory_budget)) {
         before_ = numbers_of(*a.shown, box_);
         after_ = numbers_of(*b.shown, box_);
+        keep_squarable();
         for (auto& axis : displacement_) axis.assign(box_.count(), 0);
         const auto& transform = a.shown->transform();
         const double voxels = scale / transform.voxelSize().x();
@@ -272,6 +273,17 @@ private:
     }
 
     explicit Pair(const Box& box) : box_(box) {}
+
+    /// Scales both frames down if squares of what they show, summed up, would be infinite.
+    void keep_squarable() {
+        constexpr float most = 1e12f;
+        float largest = 0;
+        for (const auto* const each : {&before_, &after_})
+            for (const float value : *each) largest = std::max(largest, std::abs(value));
+        if (largest <= most) return;
+        for (auto* const each : {&before_, &after_})
+            for (float& value : *each) value *= 1 / largest;
+    }
 
     /// Takes over a displacement that was found at half size.
     void take_from(const Pair& half) {

@@ -31,7 +31,7 @@ Pace::Pace(const PaceWish& wish, std::vector<int> source) : source_(std::move(so
     step_ = least_step(source_);
     double last = first_;
     if (wish.speed) {
-        last = first_ + (high - low) / std::abs(*wish.speed);
+        if (high > low) last = first_ + (high - low) / std::abs(*wish.speed);
         points_ = *wish.speed > 0 ? std::vector<Point>{{double(first_), low}, {last, high}}
                                   : std::vector<Point>{{double(first_), high}, {last, low}};
     } else if (wish.count) {
@@ -55,7 +55,7 @@ Pace::Pace(const PaceWish& wish, std::vector<int> source) : source_(std::move(so
         step_ = 1;
     }
     const double count = std::floor((last - first_) / step_ + rounding) + 1;
-    if (count > most_frames)
+    if (!(count <= most_frames))
         throw Failure(fmt::format("that makes {:.0f} frames; a million are the most", count));
     count_ = static_cast<std::size_t>(std::max(count, 1.0));
 }

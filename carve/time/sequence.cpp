@@ -74,9 +74,9 @@ int step_of(const std::vector<int>& frames) {
     for (std::size_t n = 1; n < frames.size(); ++n)
         if (frames[n] - frames[n - 1] != step)
             throw Failure(
-                fmt::format("all frames are needed, but between {} and {} some are left out; state "
-                            "`frames` without a gap, or let `missing: hold` of "
-                            "the reader fill it",
+                fmt::format("all frames are needed, but between {} and {} some are left out: state "
+                            "`frames` without a gap; where a file is missing, `missing: hold` of "
+                            "the reader then fills it",
                             frames[n - 1], frames[n]));
     return step;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstddef>
 
 namespace fluidcarve {
@@ -20,6 +21,9 @@ void check_pace(const PaceWish& wish, NodeCheck& check) {
     for (std::size_t n = 0; n < wish.curve.size(); ++n)
         if (wish.curve[n].size() != 2)
             return check.fault("curve", "a point of 'curve' is [frame, frame of the source]");
+        else if (std::abs(wish.curve[n][0]) > farthest_frame)
+            return check.fault("curve", fmt::format("{:g} can't number a frame; {:g} is the last",
+                                                    wish.curve[n][0], farthest_frame));
         else if (n > 0 && wish.curve[n][0] <= wish.curve[n - 1][0])
             return check.fault("curve",
                                fmt::format("the frames of 'curve' must rise, but {:g} follows {:g}",

@@ -5,6 +5,8 @@
 
 namespace fluidcarve {
 
+constexpr double farthest_frame = 1e9;  ///< numbers of frames must stay whole numbers
+
 /// Finds parameters of a pace that do not go together.
 void check_pace(const PaceWish& wish, NodeCheck& check);
 
@@ -20,7 +22,7 @@ Declare<Node>& declare_pace(Declare<Node>& node) {
         .param("curve", &PaceWish::curve,
                "Points [frame, frame of the source], instead of `speed`: [[1001, 1001], [1012, "
                "1024], [1036, 1024]] runs twice as fast, then holds. Linear between.")
-        .param("start", &PaceWish::start, Unit::frames, any_number(),
+        .param("start", &PaceWish::start, Unit::frames, between(-farthest_frame, farthest_frame),
                "Number of the first frame. auto is that of the source.");
 }
 

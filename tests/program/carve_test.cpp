@@ -1,5 +1,6 @@
 #include "tests/support/program.h"
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -145,17 +146,22 @@ TEST_CASE("carve makes a sequence shorter or longer in time, and says what has n
     CHECK_THAT(
         fluidcarve_program("diff tests/data/plume/plume.0056.vdb " + (scratch / "t.0053.vdb")).out,
         Catch::Contains("density: the same"));
-    const auto longer = carve(plume + " 5 --print-pipeline");
-    CHECK_THAT(longer.out, Catch::StartsWith("# Longer in time: 6 frames become 11.\n"));
-    CHECK_THAT(longer.out,
-               Catch::Contains("velocity: sim.velocity") && Catch::Contains("default: 11"));
+    const auto longer = carve(plume + " 3 --solver greedy --protect density=5 --print-pipeline");
+    CHECK_THAT(longer.out, Catch::StartsWith("# Lengthen smoke, in time: seams of frames are shown "
+                                             "again where it shows least.\n"));
+    CHECK_THAT(longer.out, Catch::Contains("seam.greedy") &&
+                               Catch::Contains("protect: keep, axis: t, count: "));
     CHECK(carve("tests/data/plume/plume.0051.vdb -2").err ==
           "--axis t: one file has no frames to take or to add; give a sequence, such as "
           "smoke.####.vdb\n");
-    CHECK(carve(plume + " -5").err == "--axis t: -5 of 6 frames leaves 1; leave two at least\n");
-    CHECK_THAT(carve(plume + " -2 --protect density=1").err,
-               Catch::StartsWith("--axis t changes the speed, by time.retime, so leave out "
-                                 "--solver, --warp, --protect"));
+    CHECK_THAT(carve(plume + " -5").err, Catch::Contains("has room to remove 4"));
+    CHECK(carve(plume + " 1e30").code == 2);
+    CHECK_THAT(carve(plume + " -2 --warp").err, Catch::StartsWith("--axis t: a warp has no time"));
+    // A file is missing.
+    for (const int frame : {51, 52, 54, 55})
+        fs::copy_file(fmt::format("tests/data/plume/plume.{:04}.vdb", frame),
+                      scratch / fmt::format("gap.{:04}.vdb", frame));
+    CHECK(carve(scratch / "gap.####.vdb" + std::string(" -1 --missing error")).code == 2);
     CHECK(carve("tests/data/images/rocket.jpg -2").code == 2);
 }
 
@@ -175,6 +181,11 @@ TEST_CASE("carve makes pictures, particles and meshes shorter or longer in time,
     carve("'tests/data/river/river.####.vdb'", "river.####.vdb");
     scratch.write("bank.1.obj", Scratch::read("tests/data/river/riverbank.obj"));
     scratch.write("bank.2.obj", Scratch::read("tests/data/river/riverbank.obj"));
+    CHECK_THAT(fluidcarve_program("carve tests/data/river/river.####.vdb -1 --axis t --protect "
+                                  "phi=0 -o " +
+                                  (scratch / "r.####.vdb"))
+                   .err,
+               Catch::StartsWith("--axis t changes the speed of level sets, particles and meshes"));
     carve(scratch / "bank.#.obj", "longer.#.obj");
     CHECK(Scratch::read(scratch / "longer.3.obj") == Scratch::read(scratch / "longer.1.obj"));
 }
@@ -199,7 +210,9 @@ TEST_CASE("carve --axis w goes along the axis that points up, and keeps the foot
         return fluidcarve_program("carve " + arguments + " -10% -o x.####.vdb --print-pipeline")
             .out;
     };
-    CHECK(text_of(plume + " --axis w") == text_of(plume + " --axis z"));
+    const auto lower = text_of(plume + " --axis w"), along = text_of(plume + " --axis z");
+    CHECK_THAT(lower, Catch::StartsWith("# Lower smoke, along z: seams leave "));
+    CHECK(lower.substr(lower.find('\n')) == along.substr(along.find('\n')));
     CHECK_THAT(text_of(plume + " --axis w"), Catch::Contains("anchor: low"));
 }
 

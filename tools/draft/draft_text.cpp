@@ -180,8 +180,7 @@ void DraftText::paced_volume() {
                   "scaled by the speed.");
     node("paced", "time.retime", pace);
     node("out", "vdb.write", {{"source", "paced"}, {"path", "\"${out}\""}});
-    paced_sheet("paced",
-                yaml_scalar(contents_.matter == Matter::fire ? contents_.flame : contents_.main));
+    paced_sheet("paced", yaml_scalar(contents_.main));
 }
 
 void DraftText::paced_particles() {
@@ -209,15 +208,6 @@ void DraftText::paced_particles() {
     paced_sheet("surface", "surface");
 }
 
-void DraftText::paced_image() {
-    comment("A grid for each channel, a voxel for each pixel, in the plane z = 0.");
-    reader("image.read", "channels");
-    comment("What follows has the new frames. What the pictures show says where things move.");
-    node("paced", "time.retime", {{"source", "sim"}, {"frames", new_length}});
-    node("out", "image.write", {{"source", "paced"}, {"path", "\"${out}\""}});
-    paced_sheet("paced", yaml_scalar(contents_.main));
-}
-
 void DraftText::paced_mesh() {
     comment("The mesh of each frame.");
     node("sim", "mesh.read", {{"path", "\"${sim}\""}});
@@ -230,35 +220,38 @@ void DraftText::paced_mesh() {
     paced_sheet("surface", "surface");
 }
 
-std::string DraftText::in_time() {
+void DraftText::require_time() const {
     if (request_.frames.empty())
         throw Failure(
             "--axis t: one file has no frames to take or to add; give a sequence, such as "
             "smoke.####.vdb");
+    if (request_.solver == "warp.solve")
+        throw Failure(
+            "--axis t: a warp has no time: leave --warp out; time.retime makes all of a sequence "
+            "faster or slower");
+}
+
+std::string DraftText::at_another_pace() {
     if (!request_.solver.empty() || !request_.protect.empty() || !request_.seams.empty() ||
         !request_.solver_fields.empty() || !request_.remap_fields.empty())
         throw Failure(
-            "--axis t changes the speed, by time.retime, so leave out --solver, --warp, --protect, "
-            "--seams and what else is for seams; seams of frames are for pipelines (`axis: t` of a "
-            "solver, as in plume_shorter.yaml)");
+            "--axis t changes the speed of level sets, particles and meshes by time.retime, so "
+            "leave out --solver, --protect, --seams and what else is for seams");
     if (fraction())
         throw Failure(fmt::format("--axis t: frames are whole, not {}", request_.count));
     std::string fault;
     const auto frames = FrameSet::parse(request_.frames, fault);
     const int before = frames ? static_cast<int>(frames->frames().size()) : 0;
-    const int after =
-        before + Count{std::atof(request_.count.c_str()), request_.count.ends_with('%')}.of(before);
+    const double count = std::atof(request_.count.c_str());
+    if (std::abs(count) > 1e6)
+        throw Failure(fmt::format("--axis t: {} frames are too many", request_.count));
+    const int after = before + Count{count, request_.count.ends_with('%')}.of(before);
     if (after < 2)
         throw Failure(fmt::format("--axis t: {} of {} frames leaves {}; leave two at least",
                                   request_.count, before, after));
-    switch (contents_.matter) {
-        case Matter::smoke:
-        case Matter::fire:
-        case Matter::level_set: paced_volume(); break;
-        case Matter::particles: paced_particles(); break;
-        case Matter::image: paced_image(); break;
-        case Matter::mesh: paced_mesh(); break;
-    }
+    if (contents_.matter == Matter::level_set) paced_volume();
+    else if (contents_.matter == Matter::particles) paced_particles();
+    else paced_mesh();
     return fmt::format(
                "# {} in time: {} frames become {}.\n# Another length, other files: --set "
                "length=48 --set sim=FILES --set out=FILES\n"
@@ -267,8 +260,8 @@ std::string DraftText::in_time() {
            path_param("sim", request_.input, "Input sequence.") +
            param("length", "int", std::to_string(after), "Frames of the result.") +
            path_param("out", request_.out, "The sequence at its new pace.") +
-           path_param("sheet", request_.sheet, "Some frames in one picture.") +
-           fmt::format("\nframes: {}\n\nnodes:", request_.frames) + nodes_;
+           path_param("sheet", request_.sheet, "Some frames in one picture.") + this->frames() +
+           "\nnodes:" + nodes_;
 }
 
 void DraftText::read_protected() {

@@ -33,7 +33,10 @@ public:
     }
 
     std::string text() {
-        if (axis_ == 't') return in_time();
+        if (axis_ == 't') {
+            require_time();
+            if (paced()) return at_another_pace();
+        }
         switch (contents_.matter) {
             case Matter::smoke:
             case Matter::fire: fog(); break;
@@ -75,14 +78,23 @@ private:
 
     std::string head() const {
         const std::array titles{"smoke", "fire", "a level set", "particles", "an image", "a mesh"};
-        auto out = fmt::format("# {} {}, along {}: {} where it shows least.\n",
-                               request_.count.starts_with('-') ? "Narrow" : "Widen",
-                               titles.at(static_cast<std::size_t>(contents_.matter)), axis_,
-                               warps() ? "a warp squeezes or draws it out" : "seams leave");
+        const bool less = request_.count.starts_with('-'), time = axis_ == 't';
+        auto out =
+            fmt::format("# {} {}, {}: {} where it shows least.\n",
+                        time                   ? (less ? "Shorten" : "Lengthen")
+                        : request_.axis == 'w' ? (less ? "Lower" : "Raise")
+                                               : (less ? "Narrow" : "Widen"),
+                        titles.at(static_cast<std::size_t>(contents_.matter)),
+                        time ? std::string("in time") : fmt::format("along {}", axis_),
+                        warps() ? "a warp squeezes or draws it out"
+                        : less  ? (time ? "seams of frames leave" : "seams leave")
+                                : (time ? "seams of frames are shown again" : "seams are doubled"));
         out += "# Another amount, other files: --set count=-12 --set sim=FILES --set out=FILES\n";
         out += "fluidcarve: 1\n\nparams:\n";
         out += path_param("sim", request_.input,
                           request_.frames.empty() ? "Input file." : "Input sequence.");
+        if (fraction() && axis_ == 't')
+            throw Failure(fmt::format("--axis t: frames are whole, not {}", request_.count));
         if (fraction() && !warps())
             throw Failure(
                 fmt::format("seams are whole: take {:.0f} or {:.0f}; a warp carves by fractions, "
@@ -91,25 +103,36 @@ private:
                             std::ceil(std::atof(request_.count.c_str()))));
         out +=
             param("count", fraction() ? "float" : "count", request_.count,
-                  warps() ? "Voxels, or a share of the size: negative makes it narrower."
-                          : "Seams, or a share of the size: negative removes, positive inserts.");
+                  axis_ == 't' ? "Frames, or a share of them: negative removes, positive inserts."
+                  : warps()    ? "Voxels, or a share of the size: negative makes it narrower."
+                            : "Seams, or a share of the size: negative removes, positive inserts.");
         out += path_param("out", request_.out, "What was carved.") +
                path_param("seams", request_.seams, "The seams, to use again without solving.") +
                path_param("sheet", request_.sheet, "Before, after and the seams in one picture.");
-        if (!request_.frames.empty())
-            out += fmt::format(
-                "\n# The frames whose files are there. State them, and one that is missing is "
-                "told: {}\nframes: auto\n",
-                request_.frames);
-        return out + "\nnodes:";
+        return out + frames() + "\nnodes:";
+    }
+    std::string frames() const {
+        return request_.frames.empty()
+                   ? ""
+                   : fmt::format(
+                         "\n# The frames whose files are there. State them, and one that is "
+                         "missing is told: {}\nframes: auto\n",
+                         request_.frames);
     }
 
-    /// A pipeline that makes the sequence shorter or longer.
-    std::string in_time();
+    /// @throws Failure if there are no frames to take or to add, or what is wished has no time
+    void require_time() const;
+    /// Whether all goes faster or slower, since no seams of frames suit it: in what stands still on
+    /// water one would be a jump, and particles and meshes can't be carved by them.
+    bool paced() const {
+        return contents_.matter == Matter::level_set || contents_.matter == Matter::particles ||
+               contents_.matter == Matter::mesh;
+    }
+    /// A pipeline that makes the sequence faster or slower.
+    std::string at_another_pace();
     /// Nodes that give it its length, and write it.
     void paced_volume();
     void paced_particles();
-    void paced_image();
     void paced_mesh();
     /// Surfaces are seen from above, where they have their waves; all else from the front.
     void paced_sheet(const char* shown, const std::string& grid) {
@@ -226,6 +249,7 @@ private:
 
     /// Whether a warp carves, not seams. In a wave of water a seam would be a cliff.
     bool warps() const {
+        if (axis_ == 't') return false;
         if (!request_.solver.empty()) return request_.solver == "warp.solve";
         const auto of_seams = [](const auto& field) {
             return field.first == "spread" || field.first == "rigidity" || field.first == "soft";
@@ -246,11 +270,12 @@ private:
         fields.insert(fields.begin(), {"energy", "energy"});
         fields.emplace_back("lattice", "box");
         if (!protected_.empty()) fields.emplace_back("protect", "keep");
-        fields.emplace_back("axis", axis_ == 'y' ? "v" : "u");
+        fields.emplace_back("axis", axis_ == 't' ? "t" : axis_ == 'y' ? "v" : "u");
         fields.emplace_back(warps() ? "amount" : "count", "\"${count}\"");
         // Seams may run out beside what none may pass.
-        if (!protected_.empty() && !warps()) fields.emplace_back("best_effort", "true");
-        if (contents_.matter != Matter::image)
+        if (!protected_.empty() && !warps() && axis_ != 't')
+            fields.emplace_back("best_effort", "true");
+        if (contents_.matter != Matter::image && axis_ != 't')
             fields.emplace_back("anchor",
                                 contents_.source.at(static_cast<std::size_t>(axis_ - 'x')));
         node("seams",
@@ -262,7 +287,7 @@ private:
 
     void carve(const std::string& name, const char* type, const std::string& source,
                Fields fields) {
-        if (warps()) fields = without(std::move(fields), "soft");
+        if (warps() || axis_ == 't') fields = without(std::move(fields), "soft");
         fields.insert(fields.begin(), {{"source", source}, {"lattice", "box"}, {"seams", "seams"}});
         auto wanted = request_.remap_fields;
         if (std::string_view(type) != "remap.grids")
@@ -286,6 +311,7 @@ private:
                 bool render) {
         if (!request_.seams.empty())
             node("kept", "seams.write", {{"seams", "seams"}, {"path", "\"${seams}\""}});
+        if (axis_ == 't') return paced_sheet(after.c_str(), yaml_scalar(grid));
         if (request_.sheet.empty()) return;
         comment("Is the carve where it should be? Look here first.");
         const auto* const view = contents_.matter == Matter::image ? "z"

@@ -19,11 +19,12 @@ DraftRequest::Fields draft_preview(const Pipeline& pipeline) {
     const auto grid = picture                         ? "G"
                       : first != source.outputs.end() ? first->name
                                                       : source.outputs.at(link.output).name;
-    return {{"type", "preview.sheet"},
-            {"before", source.name},
-            {"after", carved->name},
-            {"grid", grid},
-            {"axis", picture ? "z" : "y"}};
+    DraftRequest::Fields out{{"type", "preview.sheet"}};
+    // What has lost frames, or got some, has none of before beside it.
+    if (carved->retimes()) out.emplace_back("before", carved->name);
+    else out.insert(out.end(), {{"before", source.name}, {"after", carved->name}});
+    out.insert(out.end(), {{"grid", grid}, {"axis", picture ? "z" : "y"}});
+    return out;
 }
 
 }  // namespace fluidcarve

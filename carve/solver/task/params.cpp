@@ -14,7 +14,7 @@ constexpr std::size_t most_vertices_solved = 12'000'000;
 
 SolverParams params_for(const SolverParams& stated, bool has_field, std::size_t frames) {
     auto out = stated;
-    if (out.axis == Axis::t && out.count.value < 0 && has_field && !out.window && frames > 2)
+    if (out.axis == Axis::t && out.count.value != 0 && has_field && !out.window && frames > 2)
         out.window = VertexRange{1, static_cast<double>(frames) - 2};
     return out;
 }

@@ -58,9 +58,9 @@ struct SolverParams {
     Auto<int> finest;
 };
 
-/// The parameters of a search once it is known whether frames come with a field. Then seams that
-/// take frames out leave the first and the last one, unless a window is stated: these would make
-/// no edge, but crop the shot.
+/// The parameters of a search once it is known whether frames come with a field. Then seams of
+/// frames leave the first and the last one, unless a window is stated: these make no edge, so that
+/// a shot would be cropped, or begin with a halt.
 SolverParams params_for(const SolverParams& stated, bool has_field, std::size_t frames);
 
 /// The parameter `finest`, or what `auto` means for a lattice. It depends on nothing else, so that

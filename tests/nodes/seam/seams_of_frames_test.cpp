@@ -109,8 +109,8 @@ TEST_CASE(
         require_alike(solver, "count: -2",
                       "count: -2, rigidity: 2, rigidity_time: 2, window: [1, 5]", cells(4, 4, 3), 7,
                       true);
-    require_alike(seam_pyramid(), "count: 2", "count: 2, rigidity: 2, rigidity_time: 2",
-                  cells(4, 4, 3), 7, true);
+    require_alike(seam_pyramid(), "count: 2",
+                  "count: 2, rigidity: 2, rigidity_time: 2, window: [1, 5]", cells(4, 4, 3), 7, true);
     // Slabs.
     require_alike(seam_pyramid(), "count: -4, thickness: 2",
                   "count: -4, thickness: 2, window: [1, 10]", cells(6, 5, 4), 12, true);
