@@ -246,7 +246,7 @@ NodeType remap_grids() {
             .names_as("volume", "source")
             .learns("seams", &RemapGrids::Params::in_time)
             .concludes(grids_by_frame)
-            .version(3));
+            .version(4));
 }
 
 namespace {

@@ -155,7 +155,7 @@ NodeType time_retime() {
             "are "
             "those of the nearer frame.")
         .names_as("volume", "source")
-        .version(3)
+        .version(4)
         .kept();
 }
 

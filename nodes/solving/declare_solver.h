@@ -101,7 +101,8 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param("rigidity", &Params::rigidity, Unit::none, at_least(0),
                "Cost of each step of a seam from a column to its neighbour in space, in mean "
                "energies of the content. More keeps seams straighter. Reported energies include "
-               "it. auto is 0 without a `field`; with one 0.2, for thin seams of frames 2.")
+               "it. auto is 0 without a `field`; with one 0.2, for thin seams of frames 2. Those "
+               "pay nothing where the field shows nothing.")
         .param("rigidity_time", &Params::rigidity_time, Unit::none, at_least(0),
                "The same from frame to frame. More keeps seams steadier.")
         .param(

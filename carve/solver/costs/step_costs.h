@@ -2,6 +2,7 @@
 
 #include "carve/solver/costs/field_columns.h"
 #include "carve/solver/costs/lanes.h"
+#include "carve/vectors/wide.h"
 
 #include <algorithm>
 #include <array>
@@ -9,6 +10,24 @@
 #include <cstddef>
 
 namespace fluidcarve {
+
+/// What a step costs, beside the edge that it makes.
+struct StepPrice {
+    float rigidity = 0;    ///< of any step
+    float in_nothing = 0;  ///< of one between two entries of which the field shows nothing
+    float weight = 0;      ///< per unit by which the field changes across the new edge
+
+    /// The rigidity of steps that put two values of the field beside each other, of one or of
+    /// many.
+    template <class Values>
+    FLUIDCARVE_INLINE Values rigid(Values value, Values other) const {
+        // Above any rigidity as soon as something shows.
+        constexpr float surely = 1e25f;
+        const Values price = in_nothing + surely * (value * value + other * other),
+                     most = Values{} + rigidity;
+        return price < most ? price : most;
+    }
+};
 
 /// What steps cost: nothing, always the same, or what the field says.
 enum class Stepping { free, rigid, field };
@@ -21,17 +40,16 @@ class StepCosts {
 public:
     /// Steps are free.
     StepCosts() = default;
-    /// @param rigidity  cost of any step, in space and in time
-    /// @param field     of the columns; null: no field
-    /// @param weight    cost per unit by which the field changes across the new edge
-    StepCosts(const std::array<float, 2>& rigidity, const FieldRun* field, float weight)
-        : any_(field || rigidity[0] > 0 || rigidity[1] > 0),
-          rigidity_(rigidity),
-          field_(field),
-          weight_(weight) {}
+    /// @param prices  in space and in time
+    /// @param field   of the columns; null: no field
+    StepCosts(const std::array<StepPrice, 2>& prices, const FieldRun* field)
+        : any_(field || prices[0].rigidity > 0 || prices[1].rigidity > 0),
+          prices_(prices),
+          field_(field) {}
 
     explicit operator bool() const { return any_; }
 
+    const StepPrice& price(bool in_time) const { return prices_[in_time ? 1 : 0]; }
     bool has_field() const { return field_ != nullptr; }
     /// The field at an entry.
     float value(std::size_t column, int entry) const { return field_[column].value(entry); }
@@ -40,15 +58,16 @@ public:
     /// `low`.
     float lift(std::size_t high, std::size_t low, int entry, bool in_time) const {
         return field_ ? lift(in_time, value(high, entry), value(low, entry + 1))
-                      : rigidity_[in_time ? 1 : 0];
+                      : price(in_time).rigidity;
     }
     /// Cost of a step that puts two values of the field beside each other.
     float lift(bool in_time, float value, float other) const {
-        return rigidity_[in_time ? 1 : 0] + weight_ * std::abs(value - other);
+        return price(in_time).rigid(value, other) + price(in_time).weight * std::abs(value - other);
     }
     /// The same for four steps at once.
     Lanes lift(bool in_time, float value, Lanes others) const {
-        return rigidity_[in_time ? 1 : 0] + weight_ * absolute(value - others);
+        return price(in_time).rigid(Lanes{} + value, others) +
+               price(in_time).weight * absolute(value - others);
     }
     /// Cost of the step between two entries, at most 1 apart, of neighbouring columns.
     float operator()(std::size_t column, int entry, std::size_t other, int entry_there,
@@ -59,7 +78,7 @@ public:
     float operator()(const FieldRun* column, int entry, const FieldRun* other, int entry_there,
                      bool in_time) const {
         if (entry == entry_there) return 0;
-        if (!field_) return rigidity_[in_time ? 1 : 0];
+        if (!field_) return price(in_time).rigidity;
         const auto low = std::min(entry, entry_there);
         return entry > entry_there ? lift(in_time, column->value(low), other->value(low + 1))
                                    : lift(in_time, other->value(low), column->value(low + 1));
@@ -67,13 +86,12 @@ public:
     /// The field of a column; null: no field.
     const FieldRun* field(std::size_t column) const { return field_ ? field_ + column : nullptr; }
     /// The same costs, with columns counted from another one.
-    StepCosts from(std::size_t column) const { return {rigidity_, field(column), weight_}; }
+    StepCosts from(std::size_t column) const { return {prices_, field(column)}; }
 
 private:
     bool any_ = false;
-    std::array<float, 2> rigidity_{};
+    std::array<StepPrice, 2> prices_{};
     const FieldRun* field_ = nullptr;
-    float weight_ = 0;
 };
 
 }  // namespace fluidcarve

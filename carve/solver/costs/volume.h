@@ -68,6 +68,9 @@ public:
     /// energy.
     void hand_on_edges() { hands_on_edges_ = true; }
     int spread() const { return spread_; }
+    /// Lets steps be free of rigidity where the field shows nothing.
+    void step_freely_in_nothing() { free_in_nothing_ = true; }
+    bool steps_freely_in_nothing() const { return free_in_nothing_; }
     /// Adds a field, of 0, whose new edges cost something.
     /// @param weight  cost per unit by which the field changes across an edge
     void add_field(float weight, std::uint64_t memory_budget, const std::string& folder);
@@ -89,7 +92,11 @@ public:
     void count_edges(std::uint64_t memory_budget, const std::string& folder);
     /// The costs of steps; points into the volume.
     StepCosts steps() const {
-        return {rigidity_, field_ ? field_->runs().data() : nullptr, weight_};
+        const auto price = [&](float rigidity) {
+            return StepPrice{rigidity, field_ && free_in_nothing_ ? 0 : rigidity, weight_};
+        };
+        return {{price(rigidity_[0]), price(rigidity_[1])},
+                field_ ? field_->runs().data() : nullptr};
     }
 
     /// Counts the protected and attracted vertices. Until then there are none.
@@ -171,6 +178,7 @@ private:
     int width_, laterals_, slices_, spread_ = 0;
     std::size_t frames_, stride_;
     bool closed_, around_, hands_on_edges_ = false;
+    bool free_in_nothing_ = false;
     FrameStore codes_;
     std::vector<float> sums_;
     std::vector<float> energies_;  ///< sums_ without attraction; only if vertices are attracted

@@ -262,8 +262,7 @@ private:
     /// Sends a line's message to its next column, whose place in the front it takes.
     void send(bool forward, std::size_t dimension, std::size_t column, const ColumnLine& line,
               Work& work) const {
-        const StepPrice price{energy_.rigidity()[dimension == time ? 1 : 0],
-                              energy_.field_weight()};
+        const auto price = energy_.steps().price(dimension == time);
         if (!energy_.has_field())
             return send_to_column(line.part, nullptr, nullptr, price, line.least, width_,
                                   line.front);

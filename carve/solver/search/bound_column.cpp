@@ -28,30 +28,31 @@ FLUIDCARVE_INLINE void keep_upper(Eight values, std::uint16_t* codes) {
 
 template <bool edges>
 FLUIDCARVE_INLINE void send(const float* part, const float* here, const float* there,
-                            StepPrice price, float least_part, std::size_t width, float* message) {
-    const auto rigidity = eight_of(price.rigidity), weight = eight_of(price.weight),
-               left_out = eight_of(least_part);
+                            const StepPrice& price, float least_part, std::size_t width,
+                            float* message) {
+    const auto weight = eight_of(price.weight), left_out = eight_of(least_part);
     for (std::size_t i = 0; i < width; i += 8) {
         auto rise = eight_at(part + i - 1), fall = eight_at(part + i + 1);
         if constexpr (edges) {
-            const auto from = eight_at(here + i);
-            rise += rigidity + weight * size_of(eight_at(there + i - 1) - from);
-            fall += rigidity + weight * size_of(from - eight_at(there + i + 1));
+            const auto from = eight_at(here + i), above = eight_at(there + i - 1),
+                       below = eight_at(there + i + 1);
+            rise += price.rigid(from, above) + weight * size_of(above - from);
+            fall += price.rigid(from, below) + weight * size_of(from - below);
         }
         auto beside = least(rise, fall);
-        if constexpr (!edges) beside += rigidity;
+        if constexpr (!edges) beside += eight_of(price.rigidity);
         const auto out = least(eight_at(part + i), beside) - left_out;
         std::memcpy(message + i, &out, sizeof out);
     }
 }
 
 FLUIDCARVE_WIDE void send_with_edges(const float* part, const float* here, const float* there,
-                                     StepPrice price, float least_part, std::size_t width,
+                                     const StepPrice& price, float least_part, std::size_t width,
                                      float* message) {
     send<true>(part, here, there, price, least_part, width, message);
 }
 
-FLUIDCARVE_WIDE void send_with_steps(const float* part, StepPrice price, float least_part,
+FLUIDCARVE_WIDE void send_with_steps(const float* part, const StepPrice& price, float least_part,
                                      std::size_t width, float* message) {
     send<false>(part, nullptr, nullptr, price, least_part, width, message);
 }
@@ -88,7 +89,7 @@ FLUIDCARVE_WIDE void divide_column(std::span<ColumnLine> lines, const float* cos
     }
 }
 
-void send_to_column(float* part, const float* here, const float* there, StepPrice price,
+void send_to_column(float* part, const float* here, const float* there, const StepPrice& price,
                     float least, std::size_t width, float* message) {
     part[-1] = part[whole_eights(width)] = infinity;
     if (here) send_with_edges(part, here, there, price, least, width, message);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/solver/costs/step_costs.h"
 #include "carve/vectors/eight.h"
 
 #include <bit>
@@ -46,18 +47,13 @@ struct ColumnLine {
 /// @param share  that each line gets
 void divide_column(std::span<ColumnLine> lines, const float* costs, std::size_t width, float share);
 
-/// What a step costs, as in StepCosts::lift().
-struct StepPrice {
-    float rigidity, weight;
-};
-
 /// The message to a line's next column: each entry there pays for the cheapest within 1 of it, and
-/// for the step.
+/// for the step, as in StepCosts::lift().
 /// @param part         of the column that sends; its values before the first and behind the last
 ///   become infinite
 /// @param here, there  the field of both columns; null: all steps cost alike
 /// @param least        the smallest of the part, which the message leaves out
-void send_to_column(float* part, const float* here, const float* there, StepPrice price,
+void send_to_column(float* part, const float* here, const float* there, const StepPrice& price,
                     float least, std::size_t width, float* message);
 
 }  // namespace fluidcarve

@@ -187,6 +187,7 @@ EnergyVolume restrict_energy(const EnergyVolume& energy, Window window, float ba
     };
     auto out = energy.summed() ? in(float{}) : in(std::uint16_t{});
     out.set_rigidity(energy.rigidity());
+    if (energy.steps_freely_in_nothing()) out.step_freely_in_nothing();
     if (energy.has_field()) restrict_field(energy, window, Columns(out), out);
     return out;
 }

@@ -110,7 +110,7 @@ private:
     Lanes step_costs(std::size_t column, int base, std::size_t other, int entry_there,
                      bool in_time) const {
         if constexpr (stepping == Stepping::rigid)
-            return without(Lanes{} + strip_.steps().lift(in_time, 0, 0), base, entry_there);
+            return without(Lanes{} + strip_.steps().price(in_time).rigidity, base, entry_there);
         return without(strip_.steps().lift(in_time, strip_.field(column, entry_there),
                                            strip_.fields(other, base)),
                        base, entry_there);

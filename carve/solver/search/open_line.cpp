@@ -39,19 +39,20 @@ FLUIDCARVE_WIDE void extend(const float* __restrict energies, const double* __re
 ///   and behind the last
 FLUIDCARVE_WIDE void extend_by_steps(const float* __restrict energies,
                                      const double* __restrict before, const float* __restrict field,
-                                     const float* __restrict field_before, float rigidity,
-                                     float weight, std::size_t count, double* __restrict now) {
+                                     const float* __restrict field_before, const StepPrice& price,
+                                     std::size_t count, double* __restrict now) {
     const double* const left = before - 1;
     const double* const right = before + 1;
     const float* const field_left = field - 1;
     const float* const field_right = field + 1;
     for (std::size_t i = 0; i < count; ++i) {
         const double rise =
-            left[i] +
-            static_cast<double>(rigidity + weight * std::abs(field_left[i] - field_before[i]));
+            left[i] + static_cast<double>(price.rigid(field_left[i], field_before[i]) +
+                                          price.weight * std::abs(field_left[i] - field_before[i]));
         const double fall =
             right[i] +
-            static_cast<double>(rigidity + weight * std::abs(field_right[i] - field_before[i]));
+            static_cast<double>(price.rigid(field_right[i], field_before[i]) +
+                                price.weight * std::abs(field_right[i] - field_before[i]));
         const double beside = rise < fall ? rise : fall;
         now[i] = static_cast<double>(energies[i]) + (beside < before[i] ? beside : before[i]);
     }
@@ -65,7 +66,7 @@ struct Line {
     std::size_t first, width;  ///< of the window; entries below are counted from its first
     StepCosts steps;
     bool in_time;
-    float rigidity, weight;
+    StepPrice price;
     std::size_t length;  ///< columns
 
     Line(const EnergyVolume& energy, Window window)
@@ -74,8 +75,7 @@ struct Line {
           width(static_cast<std::size_t>(window.size())),
           steps(energy.steps()),
           in_time(energy.frames() > 1),
-          rigidity(energy.rigidity()[in_time ? 1 : 0]),
-          weight(energy.field_weight()),
+          price(steps.price(in_time)),
           length(energy.columns_per_frame() * energy.frames()) {}
 
     /// The energies of `count` entries of a column. @param decoded  where they may be put
@@ -143,8 +143,7 @@ public:
             if (!line.steps) extend(energies, ways_before_.data() + 1, count, ways_.data() + 1);
             else
                 extend_by_steps(energies, ways_before_.data() + 1, field_.data() + 1,
-                                field_before_.data() + 1, line.rigidity, line.weight, count,
-                                ways_.data() + 1);
+                                field_before_.data() + 1, line.price, count, ways_.data() + 1);
             std::swap(ways_before_, ways_);
         }
         std::copy_n(ways_before_.begin() + static_cast<std::ptrdiff_t>(1 + range.begin - all.begin),

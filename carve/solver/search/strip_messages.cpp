@@ -54,8 +54,7 @@ struct Pass {
     /// `[column][entry]`, with one entry more before and behind those of the strip.
     const float* fields;
     std::size_t width;
-    float weight;                   ///< cost per unit by which the field changes across a new edge
-    std::array<float, 3> rigidity;  ///< of a step along each dimension
+    std::array<StepPrice, 3> prices;  ///< of a step along each dimension
     std::array<std::size_t, 3> size,
         step;                           ///< columns along each dimension, and from one to the next
     std::array<std::size_t, 3> origin;  ///< the first column of each ring; 0 of other lines
@@ -78,13 +77,14 @@ FLUIDCARVE_INLINE Eight sent(const Pass& pass, const Eight& costs, std::size_t f
     // Intervals of neighbours differ by at most 1 (Band).
     const auto stay = moved(costs, off);
     auto rise = moved(costs, off + 1), fall = moved(costs, off - 1);
-    const auto rigidity = eight_of(pass.rigidity[along]);
-    if constexpr (!edges) return least(stay, least(rise, fall) + rigidity);
+    const auto& price = pass.prices[along];
+    if constexpr (!edges) return least(stay, least(rise, fall) + eight_of(price.rigidity));
     const auto* const there = pass.fields + to * (pass.width + 2);
     const auto here = eight_at(pass.fields + from * (pass.width + 2) + 1 - off),
-               weight = eight_of(pass.weight);
-    rise += rigidity + weight * size_of(here - eight_at(there));
-    fall += rigidity + weight * size_of(here - eight_at(there + 2));
+               above = eight_at(there), below = eight_at(there + 2),
+               weight = eight_of(price.weight);
+    rise += price.rigid(here, above) + weight * size_of(here - above);
+    fall += price.rigid(here, below) + weight * size_of(here - below);
     return least(stay, least(rise, fall));
 }
 
@@ -371,14 +371,12 @@ void StripMessages::pass(bool forward, const Origin& origin, const std::vector<s
     const auto& columns = strip_.columns();
     const auto& steps = strip_.steps();
     const std::array size{columns.laterals(), columns.slices(), columns.frames()};
-    const float in_space = steps.lift(false, 0, 0), in_time = steps.lift(true, 0, 0);
     const Pass work{columns,
                     strip_.band().columns.data(),
                     strip_.energies(0),
                     steps.has_field() ? strip_.fields(0) : nullptr,
                     strip_.width(),
-                    steps.has_field() ? steps.lift(false, 1, 0) - in_space : 0,
-                    {in_space, in_space, in_time},
+                    {steps.price(false), steps.price(false), steps.price(true)},
                     size,
                     {1, columns.laterals(), columns.per_frame()},
                     {origin[0], origin[1], 0},

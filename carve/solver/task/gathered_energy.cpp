@@ -213,6 +213,7 @@ GatheredEnergy::Taken GatheredEnergy::take_unpriced(const SolverParams& params,
     const auto held = out.energy.bytes(), all = budget(limits);
     auto in_time = turned(out.energy, held > all ? 0 : all - held, limits.folder);
     in_time.hand_on_edges();
+    in_time.step_freely_in_nothing();
     const auto typical = Typical::of(in_time);
     return {std::move(in_time), typical};
 }

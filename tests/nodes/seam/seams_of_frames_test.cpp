@@ -110,7 +110,8 @@ TEST_CASE(
                       "count: -2, rigidity: 2, rigidity_time: 2, window: [1, 5]", cells(4, 4, 3), 7,
                       true);
     require_alike(seam_pyramid(), "count: 2",
-                  "count: 2, rigidity: 2, rigidity_time: 2, window: [1, 5]", cells(4, 4, 3), 7, true);
+                  "count: 2, rigidity: 2, rigidity_time: 2, window: [1, 5]", cells(4, 4, 3), 7,
+                  true);
     // Slabs.
     require_alike(seam_pyramid(), "count: -4, thickness: 2",
                   "count: -4, thickness: 2, window: [1, 10]", cells(6, 5, 4), 12, true);
@@ -133,6 +134,36 @@ TEST_CASE("the pause in a motion is what leaves first") {
         for (const int entry : seam.at) {
             CHECK(entry >= 4);
             CHECK(entry <= 7);
+        }
+}
+
+TEST_CASE("each of two things apart loses its own pause") {
+    constexpr int apart = 12, size = 3;
+    // Both move by a voxel per frame, but for three frames: 2 to 4 and 8 to 10.
+    const auto place = [](int frame, int pause) { return frame - std::clamp(frame - pause, 0, 2); };
+    Frames field, energy;
+    for (int frame = 0; frame < 14; ++frame) {
+        field.push_back(energy_grid(cells(2 * size + apart, 4, 3), [&](const Coord& voxel) {
+            const bool first = voxel.x() < size, second = voxel.x() >= size + apart;
+            const int moved = place(frame, first ? 2 : 8);
+            return first || second ? static_cast<float>((5 * voxel.y() + 3 * moved) % 11 + 1) : 0;
+        }));
+        energy.push_back(
+            energy_grid(cells(2 * size + apart, 4, 3), [](const Coord&) { return 1.0f; }));
+    }
+    const auto found =
+        test::solve(seam_pyramid(), "{axis: t, count: -2}", energy,
+                    {test::box({2 * size + apart, 4, 3})}, field_of(field), field.size());
+    REQUIRE(found.seams->seams.size() == 2);
+    const auto per_layer = found.seams->columns() / (2 * size + apart);
+    for (const auto& seam : found.seams->seams)
+        for (std::size_t n = 0; n < size * per_layer; ++n) {
+            const int first = seam.at[n], second = seam.at[seam.at.size() - 1 - n];
+            CHECK(first >= 2);
+            CHECK(first <= 4);
+            // It counts what the first seam left.
+            CHECK(second >= 7);
+            CHECK(second <= 10);
         }
 }
 
