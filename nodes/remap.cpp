@@ -1,7 +1,6 @@
 #include "nodes/remap.h"
 
 #include "carve/base/failure.h"
-#include "carve/base/frame_set.h"
 #include "carve/field/filter.h"
 #include "carve/points/point_vectors.h"
 #include "carve/remap/finish/finish.h"
@@ -13,8 +12,8 @@
 #include "carve/remap/joining.h"
 #include "carve/remap/seam_filter.h"
 #include "carve/seam/carve_map.h"
+#include "carve/time/frame_carve.h"
 #include "carve/time/frames_carved.h"
-#include "carve/time/time_map.h"
 #include "graph/types/node_type.h"
 #include "nodes/params/carve_inputs.h"
 #include "nodes/params/join_params.h"
@@ -78,35 +77,23 @@ protected:
     }
 };
 
-constexpr auto seams_doc = "Seams or a warp, or a list of them in the order of carving.";
-constexpr auto count_doc =
-    "Number of seams to carve, from the first on. If there are several sets, it counts in the last "
-    "one. The sign may be left out. auto is all. A warp is carved as a whole: leave `count` out.";
-
-struct RemapGrids : RemapNode {
+/// What nodes have that carve seams of frames, too: frames leave a sequence that is there as a
+/// whole.
+struct RemapInTime : RemapNode {
     struct Params : RemapNode::Params {
-        Interpolation interpolation = Interpolation::linear;
-        Auto<bool> renormalize;
-        Conserve conserve = Conserve::none;
-        std::vector<std::string> densities{"density"};
         bool transform_vectors = false;
         std::optional<FramesCarved> in_time;  ///< if the seams are seams of frames
     };
-    struct Ports {
-        Ref<Volume> source;
-        Ref<Lattice> lattice;
-        List<Seams> seams;
-        Ref<Volume> volume;
-    };
 
-    /// Frames leave a sequence that is there as a whole.
     static bool gathers(const Params& params) { return params.in_time.has_value(); }
     static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) {
         return params.in_time->left(params.count, frames);
     }
-    static void foresee(const Params& params, Outlook& ahead) {
-        if (!params.in_time) return RemapNode::foresee(params, ahead);
-        if (const auto idle = without_effect(params); !idle.empty())
+
+protected:
+    /// @param idle  a parameter that is stated for nothing if frames are carved; empty: none
+    static void foresee_frames(const Params& params, const std::string& idle, Outlook& ahead) {
+        if (!idle.empty())
             ahead.fault(
                 fmt::format("'{}' has no effect on seams of frames (`axis: t`), which move "
                             "nothing within a frame: leave it out",
@@ -121,47 +108,57 @@ struct RemapGrids : RemapNode {
             ahead.fault(failure.what());
         }
     }
-
-    /// A parameter that is stated for nothing if frames are carved; empty: none.
+    /// The parameters of both nodes that have no effect on frames.
     static std::string without_effect(const Params& params) {
-        return params.interpolation != Interpolation::linear ? "interpolation"
-               : params.renormalize                          ? "renormalize"
-               : params.conserve != Conserve::none           ? "conserve"
-               : params.transform_vectors                    ? "transform_vectors"
-               : params.rim != Rim::cut                      ? "rim"
-                                                             : "";
+        return params.transform_vectors ? "transform_vectors" : params.rim != Rim::cut ? "rim" : "";
+    }
+    void finish_frames(const Params& params, const Seams& seams, Context& context) {
+        frames_.finish(seams, seams_of(params.count, seams).value_or(seams.size()),
+                       retimes(params, frames_.numbers()), params, context.memory_budget());
+    }
+
+    FrameCarve frames_;  ///< of seams of frames
+};
+
+constexpr auto seams_doc = "Seams or a warp, or a list of them in the order of carving.";
+constexpr auto count_doc =
+    "Number of seams to carve, from the first on. If there are several sets, it counts in the last "
+    "one. The sign may be left out. auto is all. A warp is carved as a whole: leave `count` out.";
+
+struct RemapGrids : RemapInTime {
+    struct Params : RemapInTime::Params {
+        Interpolation interpolation = Interpolation::linear;
+        Auto<bool> renormalize;
+        Conserve conserve = Conserve::none;
+        std::vector<std::string> densities{"density"};
+    };
+    struct Ports {
+        Ref<Volume> source;
+        Ref<Lattice> lattice;
+        List<Seams> seams;
+        Ref<Volume> volume;
+    };
+
+    static void foresee(const Params& params, Outlook& ahead) {
+        if (!params.in_time) return RemapNode::foresee(params, ahead);
+        foresee_frames(params,
+                       params.interpolation != Interpolation::linear ? "interpolation"
+                       : params.renormalize                          ? "renormalize"
+                       : params.conserve != Conserve::none           ? "conserve"
+                                                                     : without_effect(params),
+                       ahead);
     }
 
     void add(const Params&, const Ports& io, Context& context) {
-        if (lattice_ && lattice_->hash != io.lattice->hash)
-            throw Failure(
-                "the lattice is another one than in the frames before, but seams of frames need "
-                "one that stands still: use a rig that does, or lattice.box");
-        lattice_ = io.lattice;
-        source_.add(*io.source, nullptr, context.frame(), context.limits());
+        frames_.add(*io.source, io.lattice, context.frame(), context.limits());
     }
     void finish(const Params& params, Ports& io, Context& context) {
-        const auto& set = *io.seams.front();
-        if (set.frames != source_.numbers())
-            throw Failure(fmt::format("the seams are of the frames {}, but the source has {}",
-                                      FrameSet(set.frames).text(),
-                                      FrameSet(source_.numbers()).text()));
-        frames_ = retimes(params, source_.numbers());
-        in_time_.emplace(set, *lattice_, seams_of(params.count, set).value_or(set.size()),
-                         time_join_of(params, set.thick()));
-        motions_.emplace(source_, 0, context.memory_budget());
+        finish_frames(params, *io.seams.front(), context);
     }
 
     void run(const Params& params, Ports& io, Context& context) const {
-        if (in_time_) {
-            const auto n = std::ranges::lower_bound(frames_, context.frame()) - frames_.begin();
-            if (n == std::ssize(frames_) || frames_[static_cast<std::size_t>(n)] != context.frame())
-                throw Failure(
-                    fmt::format("there is no such frame: some of the source are missing, and the "
-                                "carve leaves {}; let `missing: hold` of the reader fill them",
-                                FrameSet(frames_).text()));
-            io.volume =
-                std::make_shared<Volume>(in_time_->frame(source_, *motions_, static_cast<int>(n)));
+        if (params.in_time) {
+            io.volume = std::make_shared<Volume>(frames_.volume(context.frame()));
             return;
         }
         const auto map = map_of(params, io, context);
@@ -186,14 +183,6 @@ struct RemapGrids : RemapNode {
     static void conclude(const Params&, const nlohmann::ordered_json& frames, Context& context) {
         tell_result(frames, context);
     }
-
-private:
-    // For seams of frames alone.
-    Sequence source_;
-    Ref<Lattice> lattice_;
-    std::vector<int> frames_;  ///< that the carve leaves
-    std::optional<TimeMap> in_time_;
-    std::optional<Motions> motions_;
 };
 
 }  // namespace
@@ -228,7 +217,7 @@ NodeType remap_grids() {
             .param("densities", &RemapGrids::Params::densities,
                    "For `conserve`: float or double grids that hold amounts per volume, such as "
                    "density and fuel, but not temperature.")
-            .param("transform_vectors", &RemapGrids::Params::transform_vectors,
+            .param("transform_vectors", &RemapInTime::Params::transform_vectors,
                    "Whether vectors turn and stretch with the space around them, as the velocities "
                    "of a carved flow do. This applies to all grids of float vectors, also those in "
                    "three parts, and to the velocities of points: carve colours by a node of "
@@ -244,7 +233,7 @@ NodeType remap_grids() {
                     "The carved source: same grids, transforms and metadata. The report tells what "
                     "the carve did to each float grid, unless frames were carved.")
             .names_as("volume", "source")
-            .learns("seams", &RemapGrids::Params::in_time)
+            .learns("seams", &RemapInTime::Params::in_time)
             .concludes(grids_by_frame)
             .version(4));
 }
@@ -324,10 +313,9 @@ NodeType remap_mesh() {
 
 namespace {
 
-struct RemapPoints : RemapNode {
-    struct Params : RemapNode::Params {
+struct RemapPoints : RemapInTime {
+    struct Params : RemapInTime::Params {
         double jitter = default_jitter;
-        bool transform_vectors = false;
     };
     struct Ports {
         Ref<Points> source;
@@ -336,7 +324,23 @@ struct RemapPoints : RemapNode {
         Ref<Points> points;
     };
 
-    static void run(const Params& params, Ports& io, Context& context) {
+    static void foresee(const Params& params, Outlook& ahead) {
+        if (!params.in_time) return RemapNode::foresee(params, ahead);
+        foresee_frames(params, without_effect(params), ahead);
+    }
+
+    void add(const Params&, const Ports& io, Context& context) {
+        frames_.add(io.source, io.lattice, context.frame(), context.limits());
+    }
+    void finish(const Params& params, Ports& io, Context& context) {
+        finish_frames(params, *io.seams.front(), context);
+    }
+
+    void run(const Params& params, Ports& io, Context& context) const {
+        if (params.in_time) {
+            io.points = std::make_shared<Points>(frames_.points(context.frame()));
+            return;
+        }
         const auto map = map_of(params, io, context);
         const auto& source = *io.source;
         const auto carved =
@@ -378,7 +382,10 @@ NodeType remap_points() {
             .input("source", &RemapPoints::Ports::source, "The points to carve.")
             .input("lattice", &RemapPoints::Ports::lattice,
                    "The lattice in which the seams were found. Points outside it stay bit for bit.")
-            .input("seams", &RemapPoints::Ports::seams, seams_doc)
+            .input("seams", &RemapPoints::Ports::seams,
+                   "Seams or a warp, or a list of them in the order of carving. Or one set of "
+                   "seams of frames, as in remap.grids: particles then go along their velocities, "
+                   "by their `id` if they have one.")
             .param("count", &RemapPoints::Params::count, Unit::seams, any_number(), count_doc)
             .param("rim", &RemapPoints::Params::rim,
                    "How the carve ends at the lattice's rims, as in remap.grids; use the same "
@@ -390,12 +397,14 @@ NodeType remap_points() {
                    "random offset of up to this size along each axis. The offset is always the "
                    "same for the same point. It stays the same from frame to frame if points have "
                    "a whole number `id`; without one, set 0 if copies must not tremble.")
-            .param("transform_vectors", &RemapPoints::Params::transform_vectors,
+            .param("transform_vectors", &RemapInTime::Params::transform_vectors,
                    "Whether the velocities of points (v, vel, velocity, or what else ends so) turn "
                    "and stretch with the space around them, as in remap.grids.")
             .output("points", &RemapPoints::Ports::points,
                     "The carved source, with all attributes and groups. The report's section "
-                    "`points` tells how many were moved, deleted and copied in each frame."));
+                    "`points` tells how many were moved, deleted and copied in each frame, unless "
+                    "frames were carved.")
+            .learns("seams", &RemapInTime::Params::in_time));
 }
 
 namespace {

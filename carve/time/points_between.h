@@ -22,11 +22,12 @@ Points points_in(const VolumeGrid& held);
 /// A share, from 0 to 1, at a world position.
 using ShareAt = std::function<double(const openvdb::Vec3d&)>;
 
-/// The points at a moment between two frames, which may differ from place to place. One that both frames have, by its `id`, goes from
-/// place to place along its velocities. One that only one of them has appears, or vanishes, at a
-/// moment of its own, so that their number changes evenly. Without ids, the points are those of the
-/// nearer frame, moved along their velocities. Attributes are those of the nearer frame; velocities
-/// of points that both have lie between. A velocity that is not finite counts as 0.
+/// The points at a moment between two frames, which may differ from place to place. One that both
+/// frames have, by its `id`, goes from place to place along its velocities. One that only one of
+/// them has appears, or vanishes, at a moment of its own, so that their number changes evenly.
+/// Without ids, the points are those of the nearer frame, moved along their velocities. Attributes
+/// are those of the nearer frame; velocities of points that both have lie between. A velocity that
+/// is not finite counts as 0.
 /// @param share   of the way from `a` to `b`, where a point is in its frame, or in `a` if both have
 ///   it
 /// @param nearer  `a` or `b`: shown alone if the two have other attributes

@@ -1,6 +1,7 @@
 #include "carve/time/time_map.h"
 
 #include "carve/base/failure.h"
+#include "carve/points/point_vectors.h"
 #include "carve/time/between.h"
 
 #include <fmt/format.h>
@@ -199,11 +200,8 @@ std::optional<TimeMap::Corners> TimeMap::corners_at(const openvdb::Vec3d& world,
     return out;
 }
 
-Volume TimeMap::frame(const Sequence& source, const Motions& motions, int n) const {
-    return join_.moved ? moved(source, motions, n) : blended(source, n);
-}
-
-Volume TimeMap::moved(const Sequence& source, const Motions& motions, int n) const {
+template <class T>
+T TimeMap::moved(const FrameSource<T>& source, int n) const {
     const auto moments = this->moments(n);
     const auto moment_at = [&](const openvdb::Vec3d& world) {
         const auto corners = corners_at(world, false);
@@ -216,37 +214,35 @@ Volume TimeMap::moved(const Sequence& source, const Motions& motions, int n) con
         return out;
     };
     const auto [least, most] = std::ranges::minmax(moments.at);
-    const int last = static_cast<int>(std::ceil(most));
-    int place = static_cast<int>(std::floor(least));
-    auto out = source.at(static_cast<std::size_t>(place)).volume;
-    for (auto before = out; place < last; ++place) {
-        const auto next = source.at(static_cast<std::size_t>(place + 1)).volume;
-        const auto between = volume_between(
-            before, next,
+    const auto first = static_cast<std::size_t>(std::floor(least)),
+               last = static_cast<std::size_t>(std::ceil(most));
+    auto before = source.at(first), out = before;
+    for (auto place = first; place < last; ++place) {
+        const auto next = source.at(place + 1);
+        const auto from = static_cast<double>(place);
+        const bool outside = double(moments.outside) > from;
+        const auto between = source.between(
+            before, next, place,
             [&](const openvdb::Vec3d& world) {
-                return std::clamp(moment_at(world) - place, 0.0, 1.0);
+                return std::clamp(moment_at(world) - from, 0.0, 1.0);
             },
-            moments.outside > static_cast<float>(place) ? next : before,
-            motions.from(static_cast<std::size_t>(place)).get(), Transport::semi_lagrangian);
+            outside);
         // What shows an earlier moment is there already.
-        out = place == static_cast<int>(std::floor(least))
-                  ? between
-                  : volume_mixed(
-                        out, between,
-                        [&](const openvdb::Vec3d& world) {
-                            return moment_at(world) > place ? 1.0 : 0.0;
-                        },
-                        moments.outside > static_cast<float>(place) ? between : out);
+        const ShareAt later = [&](const openvdb::Vec3d& world) {
+            return moment_at(world) > from ? 1.0 : 0.0;
+        };
+        out = place == first ? between : source.mixed(out, between, later, outside, nullptr);
         before = next;
     }
     return out;
 }
 
-Volume TimeMap::blended(const Sequence& source, int n) const {
+template <class T>
+T TimeMap::blended(const FrameSource<T>& source, int n) const {
     const auto all = seen(n);
-    auto out = source.at(static_cast<std::size_t>(all.front().place)).volume;
+    auto out = source.at(static_cast<std::size_t>(all.front().place));
     for (std::size_t last = 1; last < all.size(); ++last) {
-        const auto next = source.at(static_cast<std::size_t>(all[last].place)).volume;
+        const auto next = source.at(static_cast<std::size_t>(all[last].place));
         // Shares of the places before this one, together, and of this one.
         const auto shares = [&](const openvdb::Vec3d& world) {
             const auto corners = corners_at(world, join_.fade == 1);
@@ -260,17 +256,51 @@ Volume TimeMap::blended(const Sequence& source, int n) const {
             }
             return sums;
         };
-        out = volume_mixed(
+        out = source.mixed(
             out, next,
             [&](const openvdb::Vec3d& world) {
                 const auto [before, now] = shares(world);
                 return now > 0 ? now / (before + now) : 0.0;
             },
-            all[last].outside > 0 ? next : out,
+            all[last].outside > 0,
             // Each point has a number of its own, and goes over where the shares before are below.
             [&](const openvdb::Vec3d& world) { return 1.0 - shares(world)[0]; });
     }
     return out;
+}
+
+template <class T>
+T TimeMap::frame(const FrameSource<T>& source, int n) const {
+    return join_.moved ? moved(source, n) : blended(source, n);
+}
+
+template Volume TimeMap::frame(const FrameSource<Volume>&, int) const;
+template Points TimeMap::frame(const FrameSource<Points>&, int) const;
+
+FrameSource<Volume> frames_of(const Sequence& sequence, const Motions& motions) {
+    return {[&](std::size_t place) { return sequence.at(place).volume; },
+            [&](const Volume& a, const Volume& b, std::size_t place, const ShareAt& share,
+                bool second) {
+                return volume_between(a, b, share, second ? b : a, motions.from(place).get(),
+                                      Transport::semi_lagrangian);
+            },
+            [](const Volume& a, const Volume& b, const ShareAt& share, bool second,
+               const ShareAt& of_points) {
+                return volume_mixed(a, b, share, second ? b : a, of_points);
+            }};
+}
+
+FrameSource<Points> frames_of(const FrameList<Points>& list) {
+    return {[&](std::size_t place) { return *list.at(place); },
+            [](const Points& a, const Points& b, std::size_t, const ShareAt& share, bool second) {
+                const auto name = velocity_name(a);
+                return points_between(a, b, share, second ? b : a,
+                                      {name, name.empty() ? 0 : point_scale(a, b, name)});
+            },
+            [](const Points& a, const Points& b, const ShareAt& share, bool second,
+               const ShareAt& of_points) {
+                return points_mixed(a, b, of_points ? of_points : share, second ? b : a);
+            }};
 }
 
 }  // namespace fluidcarve

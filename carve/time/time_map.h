@@ -5,17 +5,40 @@
 #include "carve/remap/joining.h"
 #include "carve/seam/carve_step.h"
 #include "carve/seam/seams.h"
+#include "carve/stream/points_stream.h"
+#include "carve/time/frame_list.h"
 #include "carve/time/motions.h"
+#include "carve/time/points_between.h"
 #include "carve/time/sequence.h"
 #include "carve/volume/volume.h"
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <vector>
 
 namespace fluidcarve {
+
+/// The frames of a sequence, and how they go over into each other.
+template <class T>
+struct FrameSource {
+    std::function<T(std::size_t place)> at;
+    /// Both neighbours `a` and `b`, moved along the flow.
+    /// @param place   of the first
+    /// @param second  whether what can't be mixed is that of `b`
+    std::function<T(const T& a, const T& b, std::size_t place, const ShareAt& share, bool second)>
+        between;
+    /// Both, blended. @param of_points  the share of points; null: it is the same
+    std::function<T(const T& a, const T& b, const ShareAt& share, bool second,
+                    const ShareAt& of_points)>
+        mixed;
+};
+/// @param sequence, motions  must outlive what is returned
+FrameSource<Volume> frames_of(const Sequence& sequence, const Motions& motions);
+/// The same of points, which go along their velocities.
+FrameSource<Points> frames_of(const FrameList<Points>& list);
 
 /// How seams of frames are carved from a sequence (METHOD 12 "Seams of frames"): of each place,
 /// frames leave or are shown twice, each at its own moment. The lattice stands still. What lies
@@ -32,10 +55,10 @@ public:
 
     int frames() const { return frames_; }  ///< after the carve
     /// A frame of the result.
-    /// @param source   the frames of Seams::frames
-    /// @param motions  of `source`
-    /// @param n        from 0 to frames() - 1
-    Volume frame(const Sequence& source, const Motions& motions, int n) const;
+    /// @param source  of volumes or points, the frames of Seams::frames
+    /// @param n       from 0 to frames() - 1
+    template <class T>
+    T frame(const FrameSource<T>& source, int n) const;
 
 private:
     /// A frame of the source that is seen in one of the result.
@@ -57,8 +80,10 @@ private:
         float outside = 0;      ///< outside the lattice
     };
 
-    Volume moved(const Sequence& source, const Motions& motions, int n) const;
-    Volume blended(const Sequence& source, int n) const;
+    template <class T>
+    T moved(const FrameSource<T>& source, int n) const;
+    template <class T>
+    T blended(const FrameSource<T>& source, int n) const;
     Moments moments(int n) const;
     /// All that are seen in a frame of the result. Their shares add up to 1 everywhere.
     std::vector<Seen> seen(int n) const;

@@ -113,6 +113,13 @@ TEST_CASE(
     CHECK(most < 1.2 * largest);
 }
 
+TEST_CASE("a loop that leaves nothing before it says that a frame is held") {
+    const Scratch scratch;
+    write_puffs(scratch, 12, circling(12));
+    CHECK_THAT(loop(scratch, 12, "frames: 12").err,
+               Catch::Contains("there are no frames of the source: its first frame is held"));
+}
+
 TEST_CASE(
     "of a range of lengths the one that closes best is taken, and goes round in the longest") {
     const Scratch scratch;

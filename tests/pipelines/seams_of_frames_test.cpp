@@ -131,6 +131,36 @@ TEST_CASE("seams of frames that were kept carve what fewer would, in parts as in
     CHECK(differs(scratch / "two.####.vdb", scratch / "parts.####.vdb") == "");
 }
 
+TEST_CASE("particles beside a volume lose the frames that it loses") {
+    const Scratch scratch;
+    write_resting(scratch, 21);
+    for (int frame = 1; frame <= 21; ++frame) {
+        const double turn = 2 * M_PI / 40 * (frame <= 8 ? frame : frame <= 13 ? 8 : frame - 5);
+        scratch.write(fmt::format("drops.{:04}.ply", frame),
+                      fmt::format("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                                  "property float y\nproperty float z\nproperty int id\n"
+                                  "property int frame\nend_header\n{} {} 0 7 {}\n",
+                                  8 * std::cos(turn), 8 * std::sin(turn), frame));
+    }
+    const auto ran =
+        run(scratch, pipeline(scratch, "shorter", "1-21", "count: -5", ", join: cut",
+                              fmt::format("  drops: {{type: points.read, path: {}}}\n"
+                                          "  fewer: {{type: remap.points, source: drops, lattice: "
+                                          "box, seams: seams, join: cut}}\n"
+                                          "  drops_out: {{type: points.write, source: fewer, "
+                                          "path: {}}}\n",
+                                          scratch / "drops.####.ply", scratch / "out.####.ply")));
+    INFO(ran.err);
+    REQUIRE(ran.code == 0);
+    const auto file = [&](const char* name, int frame) {
+        return fmt::format("{}.{:04}.ply", scratch / name, frame);
+    };
+    for (const int frame : {1, 6}) CHECK(differs(file("out", frame), file("drops", frame)) == "");
+    for (const int frame : {10, 16})
+        CHECK(differs(file("out", frame), file("drops", frame + 5)) == "");
+    CHECK_FALSE(std::filesystem::exists(file("out", 17)));
+}
+
 TEST_CASE("frames that readers leave out make no false copies of others") {
     const Scratch scratch;
     write_resting(scratch, 5);
@@ -171,7 +201,8 @@ TEST_CASE("what can't take seams of frames, and what they can't do, is told befo
         said("1-6", "count: -1", "",
              "  smooth: {type: filter.seam, source: sim, lattice: box, seams: seams}\n"),
         Catch::Contains("filter.seam input 'seams' takes 'seams', but these are seams of frames "
-                        "(`axis: t`), which only remap.grids carves and seams.write writes"));
+                        "(`axis: t`), which only remap.grids and remap.points carve and "
+                        "seams.write writes"));
     CHECK_THAT(said("1-6", "count: -1, best_effort: true"),
                Catch::Contains("the number of frames must be known before the run"));
 }

@@ -110,6 +110,28 @@ TEST_CASE("mass between frames lies between theirs, and a grid that only one fra
               .grids.empty());
 }
 
+TEST_CASE("frames with voxels of other sizes have their mass between them, too") {
+    const auto fine = puff(Vec3d(0));
+    const auto coarse = FloatGrid::create();
+    coarse->setName("density");
+    coarse->setTransform(openvdb::math::Transform::createLinearTransform(1.25 * spacing));
+    for (const auto& at : openvdb::CoordBBox(Coord(-12), Coord(12)))
+        if (const auto value = std::exp(-0.5 * (1.25 * at.asVec3d()).lengthSqr() / 9); value > 1e-4)
+            coarse->tree().setValue(at, static_cast<float>(value));
+    const auto out = volume_between(volume_with({fine}), volume_with({coarse}), 0.5, nullptr,
+                                    Transport::semi_lagrangian);
+    CHECK(sum_of_values(*density_of(out)) == Approx(sum_of_values(*fine)).epsilon(0.01));
+}
+
+TEST_CASE("a huge value spoils no motion") {
+    const auto from = puff(Vec3d(0)), to = puff(Vec3d(2, 0, 0));
+    const auto broken = from->deepCopy();
+    broken->tree().setValue(Coord(8, 8, 8), 1e30f);
+    const auto motion = motion_between({broken, nullptr}, {to, nullptr}, 0, ~std::uint64_t{0});
+    for (auto value = motion->cbeginValueOn(); value; ++value)
+        CHECK(openvdb::math::isFinite(*value));
+}
+
 TEST_CASE(
     "a level set between two frames is a distance, and whole numbers are those of the nearer "
     "frame") {

@@ -51,6 +51,11 @@ TEST_CASE("speed 1 is the source, also on twos, and a hole in it is filled") {
     CHECK(shown(filled, holed, 3) == Approx(3));
 }
 
+TEST_CASE("a speed of 0 makes no endless sequence") {
+    CHECK(Pace(at_speed(0), {41}).frames() == std::vector{41});
+    CHECK_THROWS_AS(Pace(at_speed(0), {41, 42}), Failure);
+}
+
 TEST_CASE("time runs backwards, faster, to a wished length, and from a wished frame") {
     const std::vector<int> source{1, 2, 3, 4, 5};
     auto wish = at_speed(-2);

@@ -48,7 +48,8 @@ float value(const Volume& volume, const Coord& at) {
 }
 
 Volume frame_of(const TimeMap& map, const Sequence& source, int n) {
-    return map.frame(source, Motions(source, 0, ~std::uint64_t{0}), n);
+    const Motions motions(source, 0, ~std::uint64_t{0});
+    return map.frame(frames_of(source, motions), n);
 }
 
 Seams empty_set(Seams::Kind kind) { return no_seams(voxels(), Axis::t, kind, frame_numbers()); }

@@ -1,0 +1,65 @@
+#include "carve/time/frame_carve.h"
+
+#include "carve/base/failure.h"
+#include "carve/base/frame_set.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace fluidcarve {
+
+void FrameCarve::require_still(const Ref<Lattice>& lattice) {
+    if (lattice_ && lattice_->hash != lattice->hash)
+        throw Failure(
+            "the lattice is another one than in the frames before, but seams of frames need "
+            "one that stands still: use a rig that does, or lattice.box");
+    lattice_ = lattice;
+}
+
+void FrameCarve::add(const Volume& source, const Ref<Lattice>& lattice, int number,
+                     const Limits& limits) {
+    require_still(lattice);
+    source_.add(source, nullptr, number, limits);
+    numbers_.push_back(number);
+}
+
+void FrameCarve::add(const Ref<Points>& source, const Ref<Lattice>& lattice, int number,
+                     const Limits& limits) {
+    require_still(lattice);
+    if (!points_) points_.emplace(limits);
+    points_->add(source);
+    numbers_.push_back(number);
+}
+
+void FrameCarve::finish(const Seams& seams, std::size_t count, const std::vector<int>& left,
+                        const JoinParams& join, std::uint64_t memory_budget) {
+    if (seams.frames != numbers())
+        throw Failure(
+            fmt::format("the seams are of the frames {}, but the source has {}: state the same "
+                        "`frames` as when they were found, or find them anew",
+                        FrameSet(seams.frames).text(), FrameSet(numbers()).text()));
+    left_ = left;
+    map_.emplace(seams, *lattice_, count, time_join_of(join, seams.thick()));
+    motions_.emplace(source_, 0, memory_budget);
+}
+
+int FrameCarve::place_of(int number) const {
+    const auto found = std::ranges::lower_bound(left_, number);
+    if (found == left_.end() || *found != number)
+        throw Failure(
+            fmt::format("there is no such frame: some of the source are missing, and the carve "
+                        "leaves {}; let `missing: hold` of the reader fill them",
+                        FrameSet(left_).text()));
+    return static_cast<int>(found - left_.begin());
+}
+
+Volume FrameCarve::volume(int number) const {
+    return map_->frame(frames_of(source_, *motions_), place_of(number));
+}
+
+Points FrameCarve::points(int number) const {
+    return map_->frame(frames_of(*points_), place_of(number));
+}
+
+}  // namespace fluidcarve

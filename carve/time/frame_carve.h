@@ -1,0 +1,53 @@
+#pragma once
+
+#include "carve/base/limits.h"
+#include "carve/points/points.h"
+#include "carve/remap/joining.h"
+#include "carve/stream/points_stream.h"
+#include "carve/time/frame_list.h"
+#include "carve/time/motions.h"
+#include "carve/time/sequence.h"
+#include "carve/time/time_map.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Carves seams of frames from a sequence of volumes, or of points, that is gathered frame by frame
+/// (TimeMap).
+class FrameCarve {
+public:
+    /// Adds a frame. @param number  of the frame, above those before
+    /// @throws Failure if the lattice is another one than before
+    void add(const Volume& source, const Ref<Lattice>& lattice, int number, const Limits& limits);
+    void add(const Ref<Points>& source, const Ref<Lattice>& lattice, int number,
+             const Limits& limits);
+    const std::vector<int>& numbers() const { return numbers_; }  ///< of the frames added
+
+    /// Call it once all frames are added.
+    /// @param count  of the seams, from the first on
+    /// @param left   numbers of the frames that the carve leaves (FramesCarved)
+    /// @throws Failure if the seams are of other frames, or as TimeMap
+    void finish(const Seams& seams, std::size_t count, const std::vector<int>& left,
+                const JoinParams& join, std::uint64_t memory_budget);
+    /// A frame that the carve leaves. May be called from many threads at once.
+    /// @throws Failure if there is none of this number
+    Volume volume(int number) const;
+    Points points(int number) const;
+
+private:
+    void require_still(const Ref<Lattice>& lattice);
+    int place_of(int number) const;
+
+    Sequence source_;
+    std::optional<FrameList<Points>> points_;
+    Ref<Lattice> lattice_;
+    std::vector<int> numbers_, left_;
+    std::optional<TimeMap> map_;
+    std::optional<Motions> motions_;
+};
+
+}  // namespace fluidcarve
