@@ -3,7 +3,7 @@
 #include "runtime/run/forecast.h"
 #include "runtime/run/run.h"
 #include "runtime/run/status.h"
-#include "tests/runtime/reuse_cases.h"
+#include "tests/runtime/keep/reuse_cases.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
