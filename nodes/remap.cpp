@@ -381,7 +381,8 @@ NodeType remap_points() {
             "takes are deleted, and those where a seam is inserted are doubled.")
             .input("source", &RemapPoints::Ports::source, "The points to carve.")
             .input("lattice", &RemapPoints::Ports::lattice,
-                   "The lattice in which the seams were found. Points outside it stay bit for bit.")
+                   "The lattice in which the seams were found. Points outside it stay bit for bit, "
+                   "unless frames are carved: then they go over with most of the others.")
             .input("seams", &RemapPoints::Ports::seams,
                    "Seams or a warp, or a list of them in the order of carving. Or one set of "
                    "seams of frames, as in remap.grids: particles then go along their velocities, "

@@ -264,7 +264,7 @@ NodeType time_loop() {
                 "by one, by their `id` if they have one. Whole numbers and masks are those of the "
                 "nearer side.")
         .names_as("volume", "source")
-        .version(4)
+        .version(5)
         .kept();
 }
 

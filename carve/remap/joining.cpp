@@ -66,10 +66,12 @@ TimeJoin time_join_of(const JoinParams& params, bool thick) {
             "`soft_time` has no effect on seams of frames (`axis: t`), whose `soft` is in frames: "
             "leave it out");
     const auto frames = [](double number) { return static_cast<int>(std::lround(number)); };
-    if (params.soft == 0.0) return {};
     switch (join_of(params, thick)) {
         case Join::cut: return {};
-        case Join::squeeze: return {frames(params.soft.value_or(soft_of_thin)) + 1, true};
+        case Join::squeeze: {
+            const int soft = frames(params.soft.value_or(soft_of_thin));
+            return soft == 0 ? TimeJoin{} : TimeJoin{soft + 1, true};
+        }
         case Join::fade: break;
     }
     // Neighbouring frames may mix for long, but of those far apart two would be seen at once.

@@ -62,6 +62,7 @@ void activate_inside(FloatGrid& grid, const FloatGrid& of) {
 struct Ways {
     VectorGrid::ConstPtr from_a, from_b;
     Transport transport = Transport::semi_lagrangian;
+    bool alike = false;  ///< whether all places show one moment
 };
 
 /// The motion, multiplied by a number that differs from place to place.
@@ -76,11 +77,11 @@ VectorGrid::ConstPtr part_of(const VectorGrid& motion, const ShareAt& by) {
     return out;
 }
 
-Ways ways_of(const VectorGrid* motion, const ShareAt& share, Transport transport) {
-    if (!motion) return {};
+Ways ways_of(const VectorGrid* motion, const ShareAt& share, Transport transport, bool alike) {
+    if (!motion) return {nullptr, nullptr, transport, alike};
     return {part_of(*motion, share),
             part_of(*motion, [&](const openvdb::Vec3d& world) { return share(world) - 1; }),
-            transport};
+            transport, alike};
 }
 
 /// A frame's grid, and the same moved to the moment that each place shows. Both may be null.
@@ -140,7 +141,8 @@ void keep_mass(openvdb::tree::LeafManager<FloatGrid::TreeType>& leaves, const Fl
     });
 }
 
-/// A float or vector grid of two frames, of which one may be null: then the other fades.
+/// A float or vector grid of two frames, of which one may be null: then the other fades. A level
+/// set can't: it is there where its frame is the nearer one.
 template <class GridT>
 typename GridT::ConstPtr grid_mixed(const GridT* first, const GridT* second, const ShareAt& share,
                                     const Ways& ways) {
@@ -149,8 +151,7 @@ typename GridT::ConstPtr grid_mixed(const GridT* first, const GridT* second, con
     const Side<GridT> a(first, header, ways.from_a, ways.transport),
         b(second, header, ways.from_b, ways.transport);
     const bool level_set = header.getGridClass() == openvdb::GRID_LEVEL_SET;
-    // A distance can't fade.
-    if (level_set && !(first && second) && ways.from_a) return (first ? a : b).moved;
+    const bool alone = level_set && !(first && second);
     const auto out = header.deepCopy();
     for (const auto* const each : {a.grid, b.grid, a.shown(), b.shown()}) {
         if (!each) continue;
@@ -174,7 +175,11 @@ typename GridT::ConstPtr grid_mixed(const GridT* first, const GridT* second, con
             // One side alone keeps its bits.
             if (part == 0) value.setValue(old(at));
             else if (part == 1) value.setValue(now(at));
-            else {
+            else if (alone) {
+                if ((part < 0.5f) == (first != nullptr))
+                    value.setValue(first ? old_moved(at) : now_moved(at));
+                else value.setValue(out->background());
+            } else {
                 const Value before = old_moved(at), after = now_moved(at);
                 value.setValue(before == after ? before
                                                : Value(before * (1 - part) + after * part));
@@ -188,7 +193,8 @@ typename GridT::ConstPtr grid_mixed(const GridT* first, const GridT* second, con
     if constexpr (floats) {
         // A mean of distances is nearly one. Distances made anew would move the surface.
         if (level_set) return trim(*out), out;
-        if (ways.from_a) keep_mass(leaves, *out, share, wanted, got);
+        // With moments that differ, what gains mass in one place would do so in another, too.
+        if (ways.from_a && ways.alike) keep_mass(leaves, *out, share, wanted, got);
     }
     openvdb::tools::deactivate(out->tree(), out->background());
     openvdb::tools::pruneInactive(out->tree());
@@ -293,8 +299,8 @@ Plane picture_mixed(const Plane& a, const Plane& b, const ShareAt& share, const 
 /// @param points  makes points of two
 template <class MixPoints>
 Volume mixed(const Volume& a, const Volume& b, const ShareAt& share, const Volume& nearer,
-             const VectorGrid* motion, Transport transport, const MixPoints& points) {
-    const auto ways = ways_of(motion, share, transport);
+             const VectorGrid* motion, Transport transport, bool alike, const MixPoints& points) {
+    const auto ways = ways_of(motion, share, transport, alike);
     const auto first = a.unique_names(), second = b.unique_names(), names = nearer.unique_names();
     const auto in = [](const Volume& volume, const std::vector<std::string>& all,
                        const std::string& name) {
@@ -321,7 +327,9 @@ Volume mixed(const Volume& a, const Volume& b, const ShareAt& share, const Volum
         } else if (held.header().isType<VectorGrid>()) mix(static_cast<const VectorGrid*>(nullptr));
         else if (is_point_grid(held.header()) && before && after)
             held = held.holding(points(points_in(before), points_in(after)).grid);
-        else if (before && after && before.header().transform() == after.header().transform())
+        // At one moment, all of a grid is that of the nearer frame, as it is.
+        else if (!alike && before && after &&
+                 before.header().transform() == after.header().transform())
             if (const auto chosen = grid_chosen(before.grid(), after.grid(), share))
                 held = held.holding(chosen);
     }
@@ -330,25 +338,36 @@ Volume mixed(const Volume& a, const Volume& b, const ShareAt& share, const Volum
 
 }  // namespace
 
+namespace {
+
+/// volume_between(). @param alike  whether all places show one moment
+Volume between(const Volume& a, const Volume& b, const ShareAt& share, const Volume& nearer,
+               const VectorGrid* motion, Transport transport, bool alike) {
+    return mixed(a, b, share, nearer, motion, transport, alike,
+                 [&](const Points& old, const Points& now) {
+                     const auto name = velocity_name(old);
+                     return points_between(old, now, share, &nearer == &a ? old : now,
+                                           {name, name.empty() ? 0 : point_scale(old, now, name)});
+                 });
+}
+
+}  // namespace
+
 Volume volume_between(const Volume& a, const Volume& b, const ShareAt& share, const Volume& nearer,
                       const VectorGrid* motion, Transport transport) {
-    return mixed(a, b, share, nearer, motion, transport, [&](const Points& old, const Points& now) {
-        const auto name = velocity_name(old);
-        return points_between(old, now, share, &nearer == &a ? old : now,
-                              {name, name.empty() ? 0 : point_scale(old, now, name)});
-    });
+    return between(a, b, share, nearer, motion, transport, false);
 }
 
 Volume volume_between(const Volume& a, const Volume& b, double share, const VectorGrid* motion,
                       Transport transport) {
-    return volume_between(
+    return between(
         a, b, [share](const openvdb::Vec3d&) { return share; }, share < 0.5 ? a : b, motion,
-        transport);
+        transport, true);
 }
 
 Volume volume_mixed(const Volume& a, const Volume& b, const ShareAt& share, const Volume& nearer,
                     const ShareAt& of_points) {
-    return mixed(a, b, share, nearer, nullptr, Transport::semi_lagrangian,
+    return mixed(a, b, share, nearer, nullptr, Transport::semi_lagrangian, false,
                  [&](const Points& old, const Points& now) {
                      return points_mixed(old, now, of_points ? of_points : share,
                                          &nearer == &a ? old : now);

@@ -22,16 +22,17 @@ struct ChoiceNames<Transport> {
 /// The volume at a moment between two frames, which may differ from place to place. Numbers and
 /// vectors come from both frames, moved along the motion, in the shares of the moment; points go
 /// along their own velocities, as points_between(); whole numbers, doubles and masks are those of
-/// the nearer frame. A float grid that is no level set sums up to what lies between the sums of
-/// both frames. A grid that only one frame has fades. A picture's channel moves in its plane; what
-/// lies beyond its rim is what lies there. Where the share is 0 or 1, all is bit for bit that of
-/// one frame.
+/// the nearer frame. A grid that only one frame has fades; a level set is there where its frame is
+/// the nearer one. A picture's channel moves in its plane; what lies beyond its rim is what lies
+/// there. Where the share is 0 or 1, all is bit for bit that of one frame, but for what of a level
+/// set lies beyond its narrow band.
 /// @param share   of the way from `a` to `b`
 /// @param nearer  `a` or `b`: its grids are those of the result
 /// @param motion  from `a` to `b`, world units; null: nothing moves
 Volume volume_between(const Volume& a, const Volume& b, const ShareAt& share, const Volume& nearer,
                       const VectorGrid* motion, Transport transport);
-/// The same with one moment for all places.
+/// The same with one moment for all places. A float grid that is no level set sums up to what lies
+/// between the sums of both frames.
 Volume volume_between(const Volume& a, const Volume& b, double share, const VectorGrid* motion,
                       Transport transport);
 

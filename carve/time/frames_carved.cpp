@@ -15,8 +15,8 @@ std::vector<int> FramesCarved::left(const Auto<Count>& used, const std::vector<i
               most = used ? std::abs(used->of(size)) : std::abs(all),
               by = paired ? 0 : std::clamp(all, -most, most);
     if (size + by < 1)
-        throw Failure(fmt::format("count {} takes all of {} frames; at most {} can go",
-                                  text_of(count), size, size - 1));
+        throw Failure(
+            fmt::format("count {} takes all of {} frames; some must stay", text_of(count), size));
     const int step = step_of(frames);
     std::vector<int> out;
     for (int n = 0; n < size + by; ++n) out.push_back(frames.front() + step * n);

@@ -143,7 +143,7 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
                 &SeamNode::first, &SeamNode::warnings, "seam", "best_effort", &SeamNode::exhausted})
         .in_place()
         .kept()
-        .version(3);
+        .version(4);
 }
 
 }  // namespace fluidcarve

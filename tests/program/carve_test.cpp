@@ -156,6 +156,9 @@ TEST_CASE("carve makes a sequence shorter or longer in time, and says what has n
           "smoke.####.vdb\n");
     CHECK_THAT(carve(plume + " -5").err, Catch::Contains("has room to remove 4"));
     CHECK(carve(plume + " 1e30").code == 2);
+    CHECK_THAT(carve(plume + " 100% --print-pipeline").out,
+               Catch::StartsWith("# Longer in time: 6 frames become 12.\n") &&
+                   Catch::Contains("time.retime"));
     CHECK_THAT(carve(plume + " -2 --warp").err, Catch::StartsWith("--axis t: a warp has no time"));
     // A file is missing.
     for (const int frame : {51, 52, 54, 55})

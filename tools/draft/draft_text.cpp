@@ -180,7 +180,8 @@ void DraftText::paced_volume() {
                   "scaled by the speed.");
     node("paced", "time.retime", pace);
     node("out", "vdb.write", {{"source", "paced"}, {"path", "\"${out}\""}});
-    paced_sheet("paced", yaml_scalar(contents_.main));
+    paced_sheet("paced",
+                yaml_scalar(contents_.matter == Matter::fire ? contents_.flame : contents_.main));
 }
 
 void DraftText::paced_particles() {
@@ -231,12 +232,23 @@ void DraftText::require_time() const {
             "faster or slower");
 }
 
+bool DraftText::paced() const {
+    const bool smoke = contents_.matter == Matter::smoke || contents_.matter == Matter::fire;
+    if (!smoke) return contents_.matter != Matter::image;
+    std::string fault;
+    const auto frames = FrameSet::parse(request_.frames, fault);
+    const double size = frames ? static_cast<double>(frames->frames().size()) : 0,
+                 count = std::atof(request_.count.c_str());
+    return (request_.count.ends_with('%') ? count / 100 * size : count) > size - 2;
+}
+
 std::string DraftText::at_another_pace() {
     if (!request_.solver.empty() || !request_.protect.empty() || !request_.seams.empty() ||
         !request_.solver_fields.empty() || !request_.remap_fields.empty())
         throw Failure(
-            "--axis t changes the speed of level sets, particles and meshes by time.retime, so "
-            "leave out --solver, --protect, --seams and what else is for seams");
+            "--axis t changes the speed of level sets, particles and meshes, and of what becomes "
+            "twice as long, by time.retime, so leave out --solver, --protect, --seams and what "
+            "else is for seams");
     if (fraction())
         throw Failure(fmt::format("--axis t: frames are whole, not {}", request_.count));
     std::string fault;
@@ -249,9 +261,9 @@ std::string DraftText::at_another_pace() {
     if (after < 2)
         throw Failure(fmt::format("--axis t: {} of {} frames leaves {}; leave two at least",
                                   request_.count, before, after));
-    if (contents_.matter == Matter::level_set) paced_volume();
-    else if (contents_.matter == Matter::particles) paced_particles();
-    else paced_mesh();
+    if (contents_.matter == Matter::particles) paced_particles();
+    else if (contents_.matter == Matter::mesh) paced_mesh();
+    else paced_volume();
     return fmt::format(
                "# {} in time: {} frames become {}.\n# Another length, other files: --set "
                "length=48 --set sim=FILES --set out=FILES\n"

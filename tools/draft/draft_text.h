@@ -108,7 +108,9 @@ private:
                             : "Seams, or a share of the size: negative removes, positive inserts.");
         out += path_param("out", request_.out, "What was carved.") +
                path_param("seams", request_.seams, "The seams, to use again without solving.") +
-               path_param("sheet", request_.sheet, "Before, after and the seams in one picture.");
+               path_param("sheet", request_.sheet,
+                          axis_ == 't' ? "Some frames in one picture."
+                                       : "Before, after and the seams in one picture.");
         return out + frames() + "\nnodes:";
     }
     std::string frames() const {
@@ -122,12 +124,10 @@ private:
 
     /// @throws Failure if there are no frames to take or to add, or what is wished has no time
     void require_time() const;
-    /// Whether all goes faster or slower, since no seams of frames suit it: in what stands still on
-    /// water one would be a jump, and particles and meshes can't be carved by them.
-    bool paced() const {
-        return contents_.matter == Matter::level_set || contents_.matter == Matter::particles ||
-               contents_.matter == Matter::mesh;
-    }
+    /// Whether all goes faster or slower, since seams of frames do not suit it: water that changed
+    /// place by place would be torn, meshes can't be carved by them, and they can't show frames
+    /// more than twice.
+    bool paced() const;
     /// A pipeline that makes the sequence faster or slower.
     std::string at_another_pace();
     /// Nodes that give it its length, and write it.

@@ -123,6 +123,28 @@ TEST_CASE("frames with voxels of other sizes have their mass between them, too")
     CHECK(sum_of_values(*density_of(out)) == Approx(sum_of_values(*fine)).epsilon(0.01));
 }
 
+TEST_CASE("a level set that only one frame has is there in its half of the way, and whole") {
+    const auto ball = openvdb::tools::createLevelSetSphere<FloatGrid>(1.0f, openvdb::Vec3f(0),
+                                                                      static_cast<float>(spacing));
+    const auto at = [&](double share, bool first) {
+        const auto some = volume_with({ball}), none = volume_with({});
+        const ShareAt everywhere = [=](const Vec3d&) { return share; };
+        const auto out = volume_between(first ? some : none, first ? none : some, everywhere, some,
+                                        nullptr, Transport::semi_lagrangian);
+        return openvdb::gridConstPtrCast<FloatGrid>(out.grids.front().grid())
+            ->tree()
+            .getValue(Coord(0));
+    };
+    for (const double share : {0.0, 0.4}) {
+        CHECK(at(share, true) == -ball->background());
+        CHECK(at(share, false) == ball->background());
+    }
+    for (const double share : {0.6, 1.0}) {
+        CHECK(at(share, true) == ball->background());
+        CHECK(at(share, false) == -ball->background());
+    }
+}
+
 TEST_CASE("a huge value spoils no motion") {
     const auto from = puff(Vec3d(0)), to = puff(Vec3d(2, 0, 0));
     const auto broken = from->deepCopy();

@@ -18,6 +18,6 @@ TEST_CASE("the frames that a carve leaves are numbered on, and more than there a
     CHECK(left({{-50, true}}, {}, {1, 2, 3, 4}) == std::vector{1, 2});
     CHECK(failure_of([&] {
               left({{-3}}, {}, {1, 2, 3});
-          }) == "count -3 takes all of 3 frames; at most 2 can go");
+          }) == "count -3 takes all of 3 frames; some must stay");
     CHECK(failure_of([&] { left({{-1}}, {}, {1, 2, 4}); }) != "");
 }
