@@ -124,23 +124,6 @@ private:
     std::optional<typename GridT::ConstAccessor> values_;
 };
 
-/// Multiplies what lies between two frames so that it sums up to what lies between their sums:
-/// motion that converges or diverges would make mass pulsate from frame to frame.
-/// @param wanted, got  sums over these voxels, by leaf
-void keep_mass(openvdb::tree::LeafManager<FloatGrid::TreeType>& leaves, const FloatGrid& grid,
-               const ShareAt& share, const std::vector<double>& wanted,
-               const std::vector<double>& got) {
-    const double by = std::accumulate(wanted.begin(), wanted.end(), 0.0) /
-                      std::accumulate(got.begin(), got.end(), 0.0);
-    if (!(by > 0.5 && by < 2)) return;
-    leaves.foreach ([&](auto& leaf, std::size_t) {
-        for (auto value = leaf.beginValueOn(); value; ++value)
-            if (const double part = share(grid.indexToWorld(value.getCoord()));
-                part > 0 && part < 1)
-                value.setValue(static_cast<float>(*value * by));
-    });
-}
-
 /// A float or vector grid of two frames, of which one may be null: then the other fades. A level
 /// set can't: it is there where its frame is the nearer one.
 template <class GridT>
@@ -153,7 +136,7 @@ typename GridT::ConstPtr grid_mixed(const GridT* first, const GridT* second, con
     const bool level_set = header.getGridClass() == openvdb::GRID_LEVEL_SET;
     const bool alone = level_set && !(first && second);
     const auto out = header.deepCopy();
-    for (const auto* const each : {a.grid, b.grid, a.shown(), b.shown()}) {
+    for (const GridT* const each : {a.grid, b.grid, a.moved.get(), b.moved.get()}) {
         if (!each) continue;
         out->topologyUnion(*each);
         // Beyond the narrow bands, the sign alone tells the sides apart.
@@ -164,6 +147,7 @@ typename GridT::ConstPtr grid_mixed(const GridT* first, const GridT* second, con
     using Value = typename GridT::ValueType;
     using Element = typename openvdb::VecTraits<Value>::ElementType;
     openvdb::tree::LeafManager<typename GridT::TreeType> leaves(out->tree());
+    // Sums of what lies between the frames, by leaf: as it should be, and as it is.
     std::vector<double> wanted(leaves.leafCount()), got(wanted);
     leaves.foreach ([&](auto& leaf, std::size_t n) {
         const auto values = [&](const GridT* of) { return ValuesOf<GridT>(of, out->background()); };
@@ -193,8 +177,11 @@ typename GridT::ConstPtr grid_mixed(const GridT* first, const GridT* second, con
     if constexpr (floats) {
         // A mean of distances is nearly one. Distances made anew would move the surface.
         if (level_set) return trim(*out), out;
-        // With moments that differ, what gains mass in one place would do so in another, too.
-        if (ways.from_a && ways.alike) keep_mass(leaves, *out, share, wanted, got);
+        // Motion that converges or diverges would make mass pulsate from frame to frame. Where
+        // places show different moments, one factor for all would leave steps.
+        const double by = std::accumulate(wanted.begin(), wanted.end(), 0.0) /
+                          std::accumulate(got.begin(), got.end(), 0.0);
+        if (ways.from_a && ways.alike && by > 0.5 && by < 2) multiply(*out, by);
     }
     openvdb::tools::deactivate(out->tree(), out->background());
     openvdb::tools::pruneInactive(out->tree());

@@ -24,13 +24,11 @@ Declare<Node>& declare_join(Declare<Node>& node) {
         .param("fade", &JoinParams::fade, Unit::vertices, between(1, 10000),
                "For `join: fade`: the width of the blend. auto is 1.2 thicknesses of the seams; of "
                "seams of frames 4 frames, of thick ones 2.")
-        .param(
-            "soft", &JoinParams::soft, Unit::vertices, between(0, 1000),
-            "For `join: squeeze`: how far the space on both sides of a seam is squeezed or "
-            "stretched, along u, v and w; of seams of frames, in frames before and after. "
-            "Everything "
-            "further from all seams moves by whole vertices. 0 is the same as `join: cut`. auto is "
-            "3; for thick seams 1.4 thicknesses, of frames 3.")
+        .param("soft", &JoinParams::soft, Unit::vertices, between(0, 1000),
+               "For `join: squeeze`: how far the space on both sides of a seam is squeezed or "
+               "stretched, along u, v and w; of seams of frames, in frames before and after. "
+               "Everything further from all seams moves by whole vertices. 0 is the same as `join: "
+               "cut`. auto is 3; for thick seams 1.4 thicknesses, of frames 3.")
         .param("soft_time", &JoinParams::soft_time, Unit::frames, between(0, 100),
                "The same in time: the number of frames before and after that influence how far "
                "each vertex moves.")

@@ -230,16 +230,27 @@ void DraftText::require_time() const {
         throw Failure(
             "--axis t: a warp has no time: leave --warp out; time.retime makes all of a sequence "
             "faster or slower");
+    if (fraction())
+        throw Failure(fmt::format("--axis t: frames are whole, not {}", request_.count));
+    if (std::abs(std::atof(request_.count.c_str())) > 1e6)
+        throw Failure(fmt::format("--axis t: {} frames are too many", request_.count));
+}
+
+int DraftText::frame_count() const {
+    std::string fault;
+    const auto frames = FrameSet::parse(request_.frames, fault);
+    return frames ? static_cast<int>(frames->frames().size()) : 0;
+}
+
+int DraftText::frames_more() const {
+    return Count{std::atof(request_.count.c_str()), request_.count.ends_with('%')}.of(
+        frame_count());
 }
 
 bool DraftText::paced() const {
     const bool smoke = contents_.matter == Matter::smoke || contents_.matter == Matter::fire;
     if (!smoke) return contents_.matter != Matter::image;
-    std::string fault;
-    const auto frames = FrameSet::parse(request_.frames, fault);
-    const double size = frames ? static_cast<double>(frames->frames().size()) : 0,
-                 count = std::atof(request_.count.c_str());
-    return (request_.count.ends_with('%') ? count / 100 * size : count) > size - 2;
+    return frames_more() > frame_count() - 2;
 }
 
 std::string DraftText::at_another_pace() {
@@ -249,15 +260,7 @@ std::string DraftText::at_another_pace() {
             "--axis t changes the speed of level sets, particles and meshes, and of what becomes "
             "twice as long, by time.retime, so leave out --solver, --protect, --seams and what "
             "else is for seams");
-    if (fraction())
-        throw Failure(fmt::format("--axis t: frames are whole, not {}", request_.count));
-    std::string fault;
-    const auto frames = FrameSet::parse(request_.frames, fault);
-    const int before = frames ? static_cast<int>(frames->frames().size()) : 0;
-    const double count = std::atof(request_.count.c_str());
-    if (std::abs(count) > 1e6)
-        throw Failure(fmt::format("--axis t: {} frames are too many", request_.count));
-    const int after = before + Count{count, request_.count.ends_with('%')}.of(before);
+    const int before = frame_count(), after = before + frames_more();
     if (after < 2)
         throw Failure(fmt::format("--axis t: {} of {} frames leaves {}; leave two at least",
                                   request_.count, before, after));
@@ -272,7 +275,7 @@ std::string DraftText::at_another_pace() {
            path_param("sim", request_.input, "Input sequence.") +
            param("length", "int", std::to_string(after), "Frames of the result.") +
            path_param("out", request_.out, "The sequence at its new pace.") +
-           path_param("sheet", request_.sheet, "Some frames in one picture.") + this->frames() +
+           path_param("sheet", request_.sheet, "Some frames in one picture.") + frames() +
            "\nnodes:" + nodes_;
 }
 

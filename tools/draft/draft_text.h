@@ -93,8 +93,6 @@ private:
         out += "fluidcarve: 1\n\nparams:\n";
         out += path_param("sim", request_.input,
                           request_.frames.empty() ? "Input file." : "Input sequence.");
-        if (fraction() && axis_ == 't')
-            throw Failure(fmt::format("--axis t: frames are whole, not {}", request_.count));
         if (fraction() && !warps())
             throw Failure(
                 fmt::format("seams are whole: take {:.0f} or {:.0f}; a warp carves by fractions, "
@@ -124,6 +122,8 @@ private:
 
     /// @throws Failure if there are no frames to take or to add, or what is wished has no time
     void require_time() const;
+    int frame_count() const;  ///< of the input
+    int frames_more() const;  ///< that the count adds; below 0: takes
     /// Whether all goes faster or slower, since seams of frames do not suit it: water that changed
     /// place by place would be torn, meshes can't be carved by them, and they can't show frames
     /// more than twice.

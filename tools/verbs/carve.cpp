@@ -154,7 +154,8 @@ void CarveArguments::declare(CLI::App& verb) {
     field("--soft", soft,
           "How softly seams are carved, in voxels; 0 moves whole voxels (`soft` of remap.grids)");
     field("--conserve", conserve, "mass: keeps the mass of densities (`conserve`)");
-    verb.add_option("--sheet", sheet, "Write before, after and the seams as one picture")
+    verb.add_option("--sheet", sheet,
+                    "Write before, after and the seams as one picture; with --axis t some frames")
         ->type_name("FILE.png");
     verb.add_option("--seams", seams, "Write the seams, to use again without solving")
         ->type_name("FILE.vdb");
