@@ -8,6 +8,7 @@
 #include "graph/field_names.h"
 #include "graph/file_claims.h"
 #include "graph/frames_of_inputs.h"
+#include "graph/node_kinds.h"
 #include "graph/outlooks.h"
 #include "graph/pipeline.h"
 #include "graph/promises.h"
@@ -159,7 +160,7 @@ private:
                                    value.describe()));
         const auto* const type = value.find("type");
         if (!type) return add(problems_, mark, fmt::format("node '{}' has no type", name));
-        const auto* const node_type = registry_.node(type->value.text);
+        const auto* const node_type = type_of(value, document_, registry_);
         if (!node_type)
             return add(problems_, type->value.mark,
                        fmt::format("there is no node type {}{}", type->value.describe(),

@@ -110,6 +110,8 @@ Registry builtin_registry() {
     out.add(preview_page());
     out.add(preview_sheet());
     out.add(time_loop());
+    out.add(time_loop_mesh());
+    out.add(time_loop_points());
     out.add(time_retime());
     out.add(time_retime_mesh());
     out.add(time_retime_points());

@@ -154,6 +154,10 @@ struct RemapGrids : RemapInTime {
     }
     void finish(const Params& params, Ports& io, Context& context) {
         finish_frames(params, *io.seams.front(), context);
+        if (frames_.blends())
+            context.warn(
+                "no float grid with cubic voxels shows where things move to, so that frames are "
+                "blended where time changes; resample one (grid.resample), or state `join: cut`");
     }
 
     void run(const Params& params, Ports& io, Context& context) const {

@@ -7,6 +7,8 @@ namespace fluidcarve {
 // The node types of time.*; each declaration says what the node does.
 
 NodeType time_loop();
+NodeType time_loop_mesh();
+NodeType time_loop_points();
 NodeType time_retime();
 NodeType time_retime_mesh();
 NodeType time_retime_points();

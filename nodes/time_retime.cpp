@@ -26,17 +26,22 @@ namespace fluidcarve {
 
 namespace {
 
+/// From a frame of a sequence to the next.
+int frames_behind(const std::vector<int>& numbers, std::size_t place) {
+    return numbers[place + 1] - numbers[place];
+}
+
 /// What all nodes have that give a sequence another pace.
 struct Paced {
-    static void check(const PaceWish& wish, NodeCheck& check) { check_pace(wish, check); }
-    static std::vector<int> retimes(const PaceWish& wish, const std::vector<int>& frames) {
-        return Pace(wish, frames).frames();
+    static void check(const PaceParams& params, NodeCheck& check) { check_pace(params, check); }
+    static std::vector<int> retimes(const PaceParams& params, const std::vector<int>& frames) {
+        return pace_of(params, frames).frames();
     }
 };
 
 class Retime : public Paced {
 public:
-    struct Params : PaceWish {
+    struct Params : PaceParams {
         Auto<double> scale;
         Transport transport = Transport::semi_lagrangian;
     };
@@ -51,7 +56,7 @@ public:
     }
 
     void finish(const Params& params, Ports&, Context& context) {
-        pace_.emplace(params, source_.numbers());
+        pace_ = pace_of(params, source_.numbers());
         double scale = 0;
         if (!source_.has_velocity()) {
             for (const auto& grid : source_.at(0).volume.grids)
@@ -101,7 +106,8 @@ private:
         for (std::size_t n = 0; n < count; ++n) {
             const auto place = (2 * n + 1) * gaps / (2 * count);
             if (const auto shown = moving_in(source_.at(place), source_.at(place + 1))) {
-                pairs.push_back({shown->first, shown->second, frames_behind(place)});
+                pairs.push_back(
+                    {shown->first, shown->second, frames_behind(source_.numbers(), place)});
                 speed = std::max(speed,
                                  typical_speed(shown->first) / shown->first.shown->voxelSize().x());
             }
@@ -117,11 +123,6 @@ private:
                speed;
     }
 
-    /// From a frame of the source to the next.
-    int frames_behind(std::size_t place) const {
-        return source_.numbers()[place + 1] - source_.numbers()[place];
-    }
-
     Sequence source_;
     std::optional<Pace> pace_;
     std::optional<Motions> motions_;
@@ -135,8 +136,10 @@ NodeType time_retime() {
                             "time.retime",
                             "The same sequence, faster, slower, backwards, held, or along a curve. "
                             "Frames between those of the source are moved there from both of their "
-                            "neighbours. What follows this node has the new frames.")
-                            .input("source", &Retime::Ports::source, "The grids, or one grid.")
+                            "neighbours. What follows this node has the new frames. For points it "
+                            "stands for time.retime_points, for a mesh for time.retime_mesh.")
+                            .input("source", &Retime::Ports::source,
+                                   "The grids, or one grid; points; a mesh.")
                             .input("velocity", &Retime::Ports::velocity,
                                    "Velocity, staggered or not. It says where things move, and is "
                                    "itself scaled by the "
@@ -154,6 +157,8 @@ NodeType time_retime() {
             "are means of distances; points go as in time.retime_points; whole numbers and masks "
             "are "
             "those of the nearer frame.")
+        .kind<Points>("source", "time.retime_points")
+        .kind<Mesh>("source", "time.retime_mesh")
         .names_as("volume", "source")
         .version(4)
         .kept();
@@ -161,32 +166,9 @@ NodeType time_retime() {
 
 namespace {
 
-/// All frames of a sequence, and its pace.
-template <class T>
-class Gathered {
-public:
-    void add(const Ref<T>& frame, Context& context) {
-        if (!frames_) frames_.emplace(context.limits());
-        frames_->add(frame);
-        numbers_.push_back(context.frame());
-    }
-    void finish(const PaceWish& wish) { pace_.emplace(wish, numbers_); }
-
-    std::size_t size() const { return numbers_.size(); }
-    Ref<T> at(std::size_t place) const { return frames_->at(place); }
-    Moment moment(int frame) const { return pace_->moment(frame); }
-    /// From a frame of the source to the next.
-    int frames_behind(std::size_t place) const { return numbers_[place + 1] - numbers_[place]; }
-
-private:
-    std::optional<FrameList<T>> frames_;
-    std::vector<int> numbers_;
-    std::optional<Pace> pace_;
-};
-
 class RetimePoints : public Paced {
 public:
-    struct Params : PaceWish {
+    struct Params : PaceParams {
         Auto<double> scale;
     };
     struct Ports {
@@ -194,10 +176,12 @@ public:
         Ref<Points> points;
     };
 
-    void add(const Params&, const Ports& io, Context& context) { source_.add(io.source, context); }
+    void add(const Params&, const Ports& io, Context& context) {
+        source_.add(io.source, context.frame(), context.limits());
+    }
 
     void finish(const Params& params, Ports&, Context& context) {
-        source_.finish(params);
+        pace_ = pace_of(params, source_.numbers());
         // Particles may be born later than the first frame.
         auto some = source_.at(0);
         for (std::size_t n = 1; some->size() == 0 && n < source_.size(); ++n) some = source_.at(n);
@@ -215,11 +199,11 @@ public:
     }
 
     void run(const Params&, Ports& io, Context& context) const {
-        const auto moment = source_.moment(context.frame());
+        const auto moment = pace_->moment(context.frame());
         io.points = source_.at(moment.place);
         if (moment.share > 0) {
             auto motion = motion_;
-            motion.scale *= source_.frames_behind(moment.place);
+            motion.scale *= frames_behind(source_.numbers(), moment.place);
             io.points = std::make_shared<Points>(
                 points_between(*io.points, *source_.at(moment.place + 1), moment.share, motion));
         }
@@ -243,29 +227,34 @@ private:
             const double scale =
                 point_scale(*source_.at(place), *source_.at(place + 1), motion_.velocity);
             // Frames without points, or in which nothing moves, say nothing.
-            if (scale != 0) found.push_back(scale / source_.frames_behind(place));
+            if (scale != 0) found.push_back(scale / frames_behind(source_.numbers(), place));
         }
         std::ranges::sort(found);
         return found.empty() ? 0 : found[found.size() / 2];
     }
 
-    Gathered<Points> source_;
+    NumberedFrames<Points> source_;
+    std::optional<Pace> pace_;
     PointMotion motion_;
 };
 
 class RetimeMesh : public Paced {
 public:
-    struct Params : PaceWish {};
+    struct Params : PaceParams {};
     struct Ports {
         Ref<Mesh> source;
         Ref<Mesh> mesh;
     };
 
-    void add(const Params&, const Ports& io, Context& context) { source_.add(io.source, context); }
-    void finish(const Params& params, Ports&, Context&) { source_.finish(params); }
+    void add(const Params&, const Ports& io, Context& context) {
+        source_.add(io.source, context.frame(), context.limits());
+    }
+    void finish(const Params& params, Ports&, Context&) {
+        pace_ = pace_of(params, source_.numbers());
+    }
 
     void run(const Params&, Ports& io, Context& context) const {
-        const auto moment = source_.moment(context.frame());
+        const auto moment = pace_->moment(context.frame());
         io.mesh = source_.at(moment.place);
         if (moment.share == 0) return;
         const auto next = source_.at(moment.place + 1);
@@ -280,7 +269,8 @@ public:
     }
 
 private:
-    Gathered<Mesh> source_;
+    NumberedFrames<Mesh> source_;
+    std::optional<Pace> pace_;
 };
 
 }  // namespace

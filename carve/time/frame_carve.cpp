@@ -40,7 +40,10 @@ void FrameCarve::finish(const Seams& seams, std::size_t count, const std::vector
                         "`frames` as when they were found, or find them anew",
                         FrameSet(seams.frames).text(), FrameSet(numbers()).text()));
     left_ = left;
-    map_.emplace(seams, *lattice_, count, time_join_of(join, seams.thick()));
+    const auto how = time_join_of(join, seams.thick());
+    map_.emplace(seams, *lattice_, count, how);
+    blends_ = how.moved && how.fade > 1 && source_.size() > 1 && !source_.box().empty() &&
+              !moving_in(source_.at(0), source_.at(1));
     motions_.emplace(source_, 0, memory_budget);
 }
 

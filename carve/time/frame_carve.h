@@ -33,6 +33,9 @@ public:
     /// @throws Failure if the seams are of other frames, or as TimeMap
     void finish(const Seams& seams, std::size_t count, const std::vector<int>& left,
                 const JoinParams& join, std::uint64_t memory_budget);
+    /// Whether volumes show floats, but none by which moments between frames could be found: places
+    /// then go over by blending.
+    bool blends() const { return blends_; }
     /// A frame that the carve leaves. May be called from many threads at once.
     /// @throws Failure if there is none of this number
     Volume volume(int number) const;
@@ -48,6 +51,7 @@ private:
     std::vector<int> numbers_, left_;
     std::optional<TimeMap> map_;
     std::optional<Motions> motions_;
+    bool blends_ = false;
 };
 
 }  // namespace fluidcarve

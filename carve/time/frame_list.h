@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -49,6 +50,28 @@ private:
     std::uint64_t budget_, held_ = 0;  ///< bytes
     SpillFile file_;
     std::vector<Entry> entries_;
+};
+
+/// The same with the numbers of the frames.
+template <class T>
+class NumberedFrames {
+public:
+    /// Adds a frame. @param number  above those before
+    /// @throws Failure if neither memory nor disk can hold it
+    void add(const Ref<T>& frame, int number, const Limits& limits) {
+        if (!frames_) frames_.emplace(limits);
+        frames_->add(frame);
+        numbers_.push_back(number);
+    }
+
+    const std::vector<int>& numbers() const { return numbers_; }  ///< rising
+    std::size_t size() const { return numbers_.size(); }
+    /// May be called from many threads at once.
+    Ref<T> at(std::size_t place) const { return frames_->at(place); }
+
+private:
+    std::optional<FrameList<T>> frames_;
+    std::vector<int> numbers_;
 };
 
 }  // namespace fluidcarve

@@ -34,4 +34,11 @@ Mesh mesh_between(const Mesh& a, const Mesh& b, double share) {
     return out;
 }
 
+double squared_distance(const Mesh& a, const Mesh& b) {
+    double sum = 0;
+    for (std::size_t n = 0; n < a.points.size(); ++n)
+        sum += (a.points[n] - b.points[n]).lengthSqr();
+    return a.points.empty() ? 0 : sum / double(a.points.size());
+}
+
 }  // namespace fluidcarve

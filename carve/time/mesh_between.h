@@ -12,4 +12,8 @@ bool same_faces(const Mesh& a, const Mesh& b);
 /// @param share  of the way from `a` to `b`, between 0 and 1
 Mesh mesh_between(const Mesh& a, const Mesh& b, double share);
 
+/// How far the vertices of two frames of the same faces lie apart: the mean of their squared
+/// distances, world units squared; 0 if there are none.
+double squared_distance(const Mesh& a, const Mesh& b);
+
 }  // namespace fluidcarve

@@ -16,13 +16,11 @@ namespace fluidcarve {
 
 void Sequence::add(const Volume& source, const Ref<VectorGrid>& velocity, int number,
                    const Limits& limits) {
-    if (!frames_) frames_.emplace(limits);
     auto frame = source;
     // The velocity goes along as the last grid: mostly it is one of the source's, and its tree is
     // kept once.
     if (velocity) frame.grids.push_back(velocity);
-    frames_->add(std::make_shared<Volume>(std::move(frame)));
-    numbers_.push_back(number);
+    frames_.add(std::make_shared<Volume>(std::move(frame)), number, limits);
     for (const auto& grid : source.grids)
         if (grid.header().isType<FloatGrid>())
             box_.expand(grid.plane() ? grid.plane()->box
@@ -31,7 +29,7 @@ void Sequence::add(const Volume& source, const Ref<VectorGrid>& velocity, int nu
 }
 
 SequenceFrame Sequence::at(std::size_t place) const {
-    SequenceFrame out{*frames_->at(place), nullptr};
+    SequenceFrame out{*frames_.at(place), nullptr};
     if (!has_velocity_) return out;
     out.velocity = openvdb::gridConstPtrCast<VectorGrid>(out.volume.grids.back());
     out.volume.grids.pop_back();

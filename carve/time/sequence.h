@@ -28,17 +28,16 @@ public:
     void add(const Volume& source, const Ref<VectorGrid>& velocity, int number,
              const Limits& limits);
 
-    const std::vector<int>& numbers() const { return numbers_; }  ///< of the frames, rising
+    const std::vector<int>& numbers() const { return frames_.numbers(); }  ///< rising
     /// Around the active voxels of all float grids of all frames, in their index space.
     const openvdb::CoordBBox& box() const { return box_; }
-    std::size_t size() const { return numbers_.size(); }
+    std::size_t size() const { return frames_.size(); }
     bool has_velocity() const { return has_velocity_; }
     /// May be called from many threads at once.
     SequenceFrame at(std::size_t place) const;
 
 private:
-    std::optional<FrameList<Volume>> frames_;
-    std::vector<int> numbers_;
+    NumberedFrames<Volume> frames_;
     openvdb::CoordBBox box_;
     bool has_velocity_ = false;
 };

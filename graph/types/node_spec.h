@@ -139,6 +139,13 @@ struct NodeType {
                              ///< --allow-plugins
     /// Outputs stand where inputs do: pictures that meet here have one size.
     bool in_place = false;
+    /// A type that stands in for this one where an input is connected to a payload.
+    struct Kind {
+        std::string input;
+        std::type_index payload;
+        std::string type;
+    };
+    std::vector<Kind> kinds;
     /// Output to the input whose grids it has, by their names.
     std::map<std::string, std::string, std::less<>> as_named;
 

@@ -252,6 +252,13 @@ public:
         type_.in_place = true;
         return *this;
     }
+    /// Declares the type that stands in for this one where an input is connected to an output of
+    /// another payload, so that a pipeline needs one name for both.
+    template <class Payload>
+    Declare& kind(std::string input, std::string type) {
+        type_.kinds.push_back({std::move(input), typeid(Payload), std::move(type)});
+        return *this;
+    }
     /// Declares that its parameters name code that runs with the user's rights.
     Declare& runs_code() {
         type_.runs_code = true;

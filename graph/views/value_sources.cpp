@@ -1,6 +1,7 @@
 #include "graph/views/value_sources.h"
 
 #include "carve/base/one_line.h"
+#include "graph/node_kinds.h"
 #include "graph/text/json_text.h"
 #include "graph/text/yaml_text.h"
 
@@ -110,9 +111,8 @@ ValueSources value_sources_of(const Document& document, const Registry& registry
     for (const auto& param : document.params.fields)
         out.params.emplace_back(param.name, find.stated(param.value));
     for (const auto& node : document.nodes.fields)
-        out.nodes.emplace_back(
-            node.name,
-            find.of_node(*registry.node(node.value.find("type")->value.text), node.value));
+        out.nodes.emplace_back(node.name,
+                               find.of_node(*type_of(node.value, document, registry), node.value));
     return out;
 }
 

@@ -1405,6 +1405,12 @@ class SeamsFamily:
 class TimeLoop(Node):
     volume: Output
 
+class TimeLoopMesh(Node):
+    mesh: Output
+
+class TimeLoopPoints(Node):
+    points: Output
+
 class TimeRetime(Node):
     volume: Output
 
@@ -1430,7 +1436,39 @@ class TimeFamily:
     ) -> TimeLoop:
         """
         A loop of a wished length: of all parts of the sequence the one that closes best. Its last frames go over into
-        those before its first, each place when both match best there.
+        those before its first, each place when both match best there. For points it stands for time.loop_points, for
+        a mesh for time.loop_mesh.
+        """
+    def loop_mesh(
+        self,
+        source: Source,
+        frames: Sequence[int | Param] | int | Param,
+        *,
+        name: str = ...,
+        fade: int | Literal["auto"] | Param = ...,
+        loops: int | Param = ...,
+        start: int | Literal["auto"] | Param = ...,
+        doc: str = ...,
+        cache: bool = ...,
+    ) -> TimeLoopMesh:
+        """
+        A loop of a mesh whose faces stay the same: time.loop for meshes. Ends are compared by where their vertices
+        lie.
+        """
+    def loop_points(
+        self,
+        source: Source,
+        frames: Sequence[int | Param] | int | Param,
+        *,
+        name: str = ...,
+        fade: int | Literal["auto"] | Param = ...,
+        loops: int | Param = ...,
+        start: int | Literal["auto"] | Param = ...,
+        doc: str = ...,
+        cache: bool = ...,
+    ) -> TimeLoopPoints:
+        """
+        A loop of particles: time.loop for points. Ends are compared by how many points lie where, and how they move.
         """
     def retime(
         self,
@@ -1441,6 +1479,7 @@ class TimeFamily:
         speed: float | Literal["auto"] | Param = ...,
         frames: int | Literal["auto"] | Param = ...,
         curve: Sequence[Sequence[float | Param] | Param] | Param = ...,
+        curve_file: str | Param = ...,
         start: int | Literal["auto"] | Param = ...,
         scale: float | Literal["auto"] | Param = ...,
         transport: Literal["mac_cormack", "semi_lagrangian"] | Param = ...,
@@ -1449,7 +1488,8 @@ class TimeFamily:
     ) -> TimeRetime:
         """
         The same sequence, faster, slower, backwards, held, or along a curve. Frames between those of the source are
-        moved there from both of their neighbours. What follows this node has the new frames.
+        moved there from both of their neighbours. What follows this node has the new frames. For points it stands for
+        time.retime_points, for a mesh for time.retime_mesh.
         """
     def retime_mesh(
         self,
@@ -1459,6 +1499,7 @@ class TimeFamily:
         speed: float | Literal["auto"] | Param = ...,
         frames: int | Literal["auto"] | Param = ...,
         curve: Sequence[Sequence[float | Param] | Param] | Param = ...,
+        curve_file: str | Param = ...,
         start: int | Literal["auto"] | Param = ...,
         doc: str = ...,
         cache: bool = ...,
@@ -1474,6 +1515,7 @@ class TimeFamily:
         speed: float | Literal["auto"] | Param = ...,
         frames: int | Literal["auto"] | Param = ...,
         curve: Sequence[Sequence[float | Param] | Param] | Param = ...,
+        curve_file: str | Param = ...,
         start: int | Literal["auto"] | Param = ...,
         scale: float | Literal["auto"] | Param = ...,
         doc: str = ...,

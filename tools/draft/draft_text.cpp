@@ -198,7 +198,7 @@ void DraftText::paced_particles() {
                 ? "What follows has the new frames. Particles go their ways by their `id`."
                 : "What follows has the new frames. Particles lack an `id`, so that those of the "
                   "nearer frame move on.");
-    node("moved", "time.retime_points", {{"source", "drops"}, {"frames", new_length}});
+    node("moved", "time.retime", {{"source", "drops"}, {"frames", new_length}});
     if (beside) node("paced", "time.retime", pace);
     Fields out{{"source", "moved"}, {"path", "\"${out}\""}};
     if (beside) out.insert(out.begin() + 1, {"beside", "paced"});
@@ -213,7 +213,7 @@ void DraftText::paced_mesh() {
     comment("The mesh of each frame.");
     node("sim", "mesh.read", {{"path", "\"${sim}\""}});
     comment("What follows has the new frames. Vertices move where the faces stay the same.");
-    node("paced", "time.retime_mesh", {{"source", "sim"}, {"frames", new_length}});
+    node("paced", "time.retime", {{"source", "sim"}, {"frames", new_length}});
     node("out", "mesh.write", {{"source", "paced"}, {"path", "\"${out}\""}});
     if (!request_.sheet.empty())
         node("surface", "sdf.from_mesh",

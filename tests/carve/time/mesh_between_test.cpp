@@ -42,3 +42,9 @@ TEST_CASE("meshes of other faces do not have the same") {
     b.points.emplace_back(1);
     CHECK(!same_faces(a, b));
 }
+
+TEST_CASE("the distance of two meshes is the mean of their vertices' squares") {
+    CHECK(squared_distance(triangle(1, NumberType::float32), triangle(3, NumberType::float32)) ==
+          Approx((4 + 4 + 16) / 3.0));
+    CHECK(squared_distance(Mesh(), Mesh()) == 0);
+}

@@ -1,0 +1,55 @@
+#include "graph/node_kinds.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <typeindex>
+
+namespace fluidcarve {
+namespace {
+
+class Kinds {
+public:
+    Kinds(const Document& document, const Registry& registry)
+        : document_(document), registry_(registry), left_(document.nodes.fields.size()) {}
+
+    const NodeType* of(const Value& node) {
+        const auto* const name = node.find("type");
+        const auto* const named = name ? registry_.node(name->value.text) : nullptr;
+        // Connections in a circle are told by others.
+        if (!named || named->kinds.empty() || left_ == 0) return named;
+        --left_;
+        for (const auto& [input, payload, type] : named->kinds)
+            if (const auto* const connected = node.find(input);
+                connected && payload_of(connected->value) == payload)
+                return registry_.node(type);
+        return named;
+    }
+
+private:
+    /// What `node` or `node.output` gives; nothing if that is not known from declarations.
+    std::optional<std::type_index> payload_of(const Value& reference) {
+        if (reference.kind != Value::Kind::scalar) return std::nullopt;
+        const auto dot = reference.text.find('.');
+        const auto* const source = document_.nodes.find(reference.text.substr(0, dot));
+        const auto* const type = source ? of(source->value) : nullptr;
+        if (!type || type->outputs.empty()) return std::nullopt;
+        if (dot == std::string::npos) return type->outputs.front().type;
+        const auto found =
+            std::ranges::find(type->outputs, reference.text.substr(dot + 1), &OutputSpec::name);
+        return found == type->outputs.end() ? std::nullopt : std::optional(found->type);
+    }
+
+    const Document& document_;
+    const Registry& registry_;
+    std::size_t left_;  ///< nodes on the way, at most all
+};
+
+}  // namespace
+
+const NodeType* type_of(const Value& node, const Document& document, const Registry& registry) {
+    return Kinds(document, registry).of(node);
+}
+
+}  // namespace fluidcarve
