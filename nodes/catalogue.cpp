@@ -5,6 +5,7 @@
 #include "nodes/expression/energy_ax.h"
 #include "nodes/expression/field_ax.h"
 #include "nodes/field.h"
+#include "nodes/filter.h"
 #include "nodes/grid.h"
 #include "nodes/image.h"
 #include "nodes/lattice.h"

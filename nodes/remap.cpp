@@ -1,7 +1,6 @@
 #include "nodes/remap.h"
 
 #include "carve/base/failure.h"
-#include "carve/field/filter.h"
 #include "carve/points/point_vectors.h"
 #include "carve/remap/finish/finish.h"
 #include "carve/remap/finish/tears.h"
@@ -10,7 +9,6 @@
 #include "carve/remap/geometry/points.h"
 #include "carve/remap/grid.h"
 #include "carve/remap/joining.h"
-#include "carve/remap/seam_filter.h"
 #include "carve/seam/carve_map.h"
 #include "carve/time/frame_carve.h"
 #include "carve/time/frames_carved.h"
@@ -244,8 +242,8 @@ NodeType remap_grids() {
 
 namespace {
 
-struct RemapMesh : RemapNode {
-    struct Params : RemapNode::Params {
+struct RemapMesh : RemapInTime {
+    struct Params : RemapInTime::Params {
         bool static_ = false;
     };
     struct Ports {
@@ -256,9 +254,28 @@ struct RemapMesh : RemapNode {
     };
 
     static bool animates(const Params& params) { return !params.static_; }
-    static void foresee(const Params& params, Outlook& ahead) { foresee_part(params.count, ahead); }
+    static void foresee(const Params& params, Outlook& ahead) {
+        if (!params.in_time) return foresee_part(params.count, ahead);
+        foresee_frames(params, params.static_ ? "static" : without_effect(params), ahead);
+    }
 
-    static void run(const Params& params, Ports& io, Context& context) {
+    void add(const Params&, const Ports& io, Context& context) {
+        frames_.add(io.source, io.lattice, context.frame(), context.limits());
+    }
+    void finish(const Params& params, Ports& io, Context& context) {
+        finish_frames(params, *io.seams.front(), context);
+        if (frames_.blends())
+            context.warn(
+                "the faces of the mesh change, so that nothing says where its vertices move to: "
+                "where time changes, the mesh is that of the frame that most places show; carve "
+                "the level set that it is made of");
+    }
+
+    void run(const Params& params, Ports& io, Context& context) const {
+        if (params.in_time) {
+            io.mesh = std::make_shared<Mesh>(frames_.mesh(context.frame()));
+            return;
+        }
         if (context.per_frame()) {
             io.mesh = carved(params, io, context.frame(), context);
             return;
@@ -301,7 +318,11 @@ NodeType remap_mesh() {
                    "seams move (see `static`). Where a seam is removed, the mesh is compressed; "
                    "where one is inserted, it is stretched. Normals of the file stay as they are.")
             .input("lattice", &Ports::lattice, "The lattice in which the seams were found.")
-            .input("seams", &Ports::seams, seams_doc)
+            .input(
+                "seams", &Ports::seams,
+                "Seams or a warp, or a list of them in the order of carving. Or one set of seams "
+                "of frames (`axis: t`), as in remap.grids: vertices then go from frame to frame "
+                "if the faces stay the same.")
             .param("count", &Params::count, Unit::seams, any_number(), count_doc)
             .param("rim", &Params::rim, "As in remap.grids; use the same value for both.")
             .param("rim_fade", &Params::rim_fade, Unit::vertices, between(1, 10000), fade_doc)
@@ -312,7 +333,8 @@ NodeType remap_mesh() {
                    "never pass through the mesh: `protect` its voxels (mask.mesh).")
             .output("mesh", &Ports::mesh,
                     "The carved source. Vertices outside the lattice, or where nothing moves, are "
-                    "the same to the last bit."));
+                    "the same to the last bit.")
+            .learns("seams", &RemapInTime::Params::in_time));
 }
 
 namespace {
@@ -410,65 +432,6 @@ NodeType remap_points() {
                     "`points` tells how many were moved, deleted and copied in each frame, unless "
                     "frames were carved.")
             .learns("seams", &RemapInTime::Params::in_time));
-}
-
-namespace {
-
-struct FilterSeam {
-    struct Params {
-        Auto<Count> count;
-        FilterMode filter = FilterMode::gaussian;
-        int width = 1;
-    };
-    struct Ports {
-        Ref<Volume> source;
-        Ref<Lattice> lattice;
-        List<Seams> seams;
-        Ref<Volume> volume;
-    };
-    static constexpr auto nothing_to_smooth =
-        "a warp is among the `seams`, but it leaves no seams to smooth along, since it is smooth "
-        "everywhere; leave this node out";
-
-    static void foresee(const Params& params, Outlook& ahead) {
-        if (warp_told(ahead)) return ahead.fault(nothing_to_smooth);
-        foresee_carve(params.count, ahead);
-    }
-    static void run(const Params& params, Ports& io, Context& context) {
-        if (std::ranges::any_of(io.seams, [](const auto& set) { return set->warp.has_value(); }))
-            throw Failure(nothing_to_smooth);
-        const auto map = carve_map(*io.lattice, io.seams, params.count, context);
-        if (map.empty()) io.volume = io.source;
-        else
-            io.volume = std::make_shared<Volume>(
-                seam_filtered(*io.source, *io.lattice, map, params.filter, params.width));
-    }
-};
-
-}  // namespace
-
-NodeType filter_seam() {
-    return Declare<FilterSeam>("filter.seam",
-                               "Smooths a carved volume along the seams that were carved from it, "
-                               "and nowhere else.")
-        .input("source", &FilterSeam::Ports::source,
-               "The carved volume, or one grid of it. Grids of whole numbers, booleans and masks "
-               "stay as they are.")
-        .input("lattice", &FilterSeam::Ports::lattice, "The lattice in which it was carved.")
-        .input("seams", &FilterSeam::Ports::seams,
-               "The seams that were carved, or the list of seam sets in the order of carving. No "
-               "warp: it leaves no seams.")
-        .param("count", &FilterSeam::Params::count, Unit::seams, any_number(),
-               "The `count` with which the volume was carved. auto is all seams.")
-        .param("filter", &FilterSeam::Params::filter,
-               "mean: of a cube of voxels. median: of the same cube; removes specks and keeps "
-               "edges. gaussian: four means in a row, within 5 % of a true Gaussian.")
-        .param("width", &FilterSeam::Params::width, Unit::voxels, between(1, 8),
-               "Voxels from the middle of the cube to its sides: 1 is a cube of 3 x 3 x 3 voxels.")
-        .output("volume", &FilterSeam::Ports::volume,
-                "The source, with filtered values at the active voxels of cells that a seam "
-                "divides. All other voxels are bit for bit the same.")
-        .names_as("volume", "source");
 }
 
 }  // namespace fluidcarve

@@ -9,6 +9,5 @@ namespace fluidcarve {
 NodeType remap_grids();
 NodeType remap_mesh();
 NodeType remap_points();
-NodeType filter_seam();
 
 }  // namespace fluidcarve

@@ -306,6 +306,7 @@ NodeType time_retime_mesh() {
                 "The mesh. Frames of the source stay bit for bit. Between them, vertices and "
                 "attributes of floats move straight from frame to frame if the faces are the "
                 "same; else the mesh is that of the nearer frame.")
+        .version(2)
         .kept();
 }
 

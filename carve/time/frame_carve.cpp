@@ -2,6 +2,7 @@
 
 #include "carve/base/failure.h"
 #include "carve/base/frame_set.h"
+#include "carve/time/mesh_between.h"
 
 #include <fmt/format.h>
 
@@ -32,6 +33,16 @@ void FrameCarve::add(const Ref<Points>& source, const Ref<Lattice>& lattice, int
     numbers_.push_back(number);
 }
 
+void FrameCarve::add(const Ref<Mesh>& source, const Ref<Lattice>& lattice, int number,
+                     const Limits& limits) {
+    require_still(lattice);
+    if (!meshes_) meshes_.emplace(limits);
+    else if (!faces_change_)
+        faces_change_ = !same_faces(*meshes_->at(numbers_.size() - 1), *source);
+    meshes_->add(source);
+    numbers_.push_back(number);
+}
+
 void FrameCarve::finish(const Seams& seams, std::size_t count, const std::vector<int>& left,
                         const JoinParams& join, std::uint64_t memory_budget) {
     if (seams.frames != numbers())
@@ -42,8 +53,9 @@ void FrameCarve::finish(const Seams& seams, std::size_t count, const std::vector
     left_ = left;
     const auto how = time_join_of(join, seams.thick());
     map_.emplace(seams, *lattice_, count, how);
-    blends_ = how.moved && how.fade > 1 && source_.size() > 1 && !source_.box().empty() &&
-              !moving_in(source_.at(0), source_.at(1));
+    blends_ = how.fade > 1 &&
+              (faces_change_ || (how.moved && source_.size() > 1 && !source_.box().empty() &&
+                                 !moving_in(source_.at(0), source_.at(1))));
     motions_.emplace(source_, 0, memory_budget);
 }
 
@@ -63,6 +75,10 @@ Volume FrameCarve::volume(int number) const {
 
 Points FrameCarve::points(int number) const {
     return map_->frame(frames_of(*points_), place_of(number));
+}
+
+Mesh FrameCarve::mesh(int number) const {
+    return map_->frame(frames_of(*meshes_), place_of(number));
 }
 
 }  // namespace fluidcarve

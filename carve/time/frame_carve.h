@@ -3,6 +3,7 @@
 #include "carve/base/limits.h"
 #include "carve/points/points.h"
 #include "carve/remap/joining.h"
+#include "carve/stream/mesh_stream.h"
 #include "carve/stream/points_stream.h"
 #include "carve/time/frame_list.h"
 #include "carve/time/motions.h"
@@ -16,14 +17,16 @@
 
 namespace fluidcarve {
 
-/// Carves seams of frames from a sequence of volumes, or of points, that is gathered frame by frame
-/// (TimeMap).
+/// Carves seams of frames from a sequence of volumes, points or meshes that is gathered frame by
+/// frame (TimeMap).
 class FrameCarve {
 public:
     /// Adds a frame. @param number  of the frame, above those before
     /// @throws Failure if the lattice is another one than before
     void add(const Volume& source, const Ref<Lattice>& lattice, int number, const Limits& limits);
     void add(const Ref<Points>& source, const Ref<Lattice>& lattice, int number,
+             const Limits& limits);
+    void add(const Ref<Mesh>& source, const Ref<Lattice>& lattice, int number,
              const Limits& limits);
     const std::vector<int>& numbers() const { return numbers_; }  ///< of the frames added
 
@@ -33,13 +36,14 @@ public:
     /// @throws Failure if the seams are of other frames, or as TimeMap
     void finish(const Seams& seams, std::size_t count, const std::vector<int>& left,
                 const JoinParams& join, std::uint64_t memory_budget);
-    /// Whether volumes show floats, but none by which moments between frames could be found: places
-    /// then go over by blending.
+    /// Whether nothing says how moments between frames look: no float grid of volumes shows where
+    /// things move to, or the faces of meshes change.
     bool blends() const { return blends_; }
     /// A frame that the carve leaves. May be called from many threads at once.
     /// @throws Failure if there is none of this number
     Volume volume(int number) const;
     Points points(int number) const;
+    Mesh mesh(int number) const;
 
 private:
     void require_still(const Ref<Lattice>& lattice);
@@ -47,6 +51,8 @@ private:
 
     Sequence source_;
     std::optional<FrameList<Points>> points_;
+    std::optional<FrameList<Mesh>> meshes_;
+    bool faces_change_ = false;
     Ref<Lattice> lattice_;
     std::vector<int> numbers_, left_;
     std::optional<TimeMap> map_;

@@ -3,6 +3,7 @@
 #include "carve/base/failure.h"
 #include "carve/points/point_vectors.h"
 #include "carve/time/between.h"
+#include "carve/time/mesh_between.h"
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -276,6 +277,7 @@ T TimeMap::frame(const FrameSource<T>& source, int n) const {
 
 template Volume TimeMap::frame(const FrameSource<Volume>&, int) const;
 template Points TimeMap::frame(const FrameSource<Points>&, int) const;
+template Mesh TimeMap::frame(const FrameSource<Mesh>&, int) const;
 
 FrameSource<Volume> frames_of(const Sequence& sequence, const Motions& motions) {
     return {[&](std::size_t place) { return sequence.at(place).volume; },
@@ -300,6 +302,16 @@ FrameSource<Points> frames_of(const FrameList<Points>& list) {
             [](const Points& a, const Points& b, const ShareAt& share, bool second,
                const ShareAt& of_points) {
                 return points_mixed(a, b, of_points ? of_points : share, second ? b : a);
+            }};
+}
+
+FrameSource<Mesh> frames_of(const FrameList<Mesh>& list) {
+    return {[&](std::size_t place) { return *list.at(place); },
+            [](const Mesh& a, const Mesh& b, std::size_t, const ShareAt& share, bool second) {
+                return mesh_between(a, b, share, second ? b : a);
+            },
+            [](const Mesh& a, const Mesh& b, const ShareAt& share, bool second, const ShareAt&) {
+                return mesh_between(a, b, share, second ? b : a);
             }};
 }
 

@@ -5,6 +5,7 @@
 #include "carve/remap/joining.h"
 #include "carve/seam/carve_step.h"
 #include "carve/seam/seams.h"
+#include "carve/stream/mesh_stream.h"
 #include "carve/stream/points_stream.h"
 #include "carve/time/frame_list.h"
 #include "carve/time/motions.h"
@@ -39,6 +40,8 @@ struct FrameSource {
 FrameSource<Volume> frames_of(const Sequence& sequence, const Motions& motions);
 /// The same of points, which go along their velocities.
 FrameSource<Points> frames_of(const FrameList<Points>& list);
+/// The same of meshes, whose vertices go straight.
+FrameSource<Mesh> frames_of(const FrameList<Mesh>& list);
 
 /// How seams of frames are carved from a sequence (METHOD 12 "Seams of frames"): of each place,
 /// frames leave or are shown twice, each at its own moment. The lattice stands still. What lies
@@ -55,7 +58,7 @@ public:
 
     int frames() const { return frames_; }  ///< after the carve
     /// A frame of the result.
-    /// @param source  of volumes or points, the frames of Seams::frames
+    /// @param source  of volumes, points or meshes, the frames of Seams::frames
     /// @param n       from 0 to frames() - 1
     template <class T>
     T frame(const FrameSource<T>& source, int n) const;

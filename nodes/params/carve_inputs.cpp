@@ -14,7 +14,8 @@ const char* const part_of_warp =
     "as a whole; leave `count` out, or set the warp's `amount`";
 
 const char* const only_remapped =
-    "these are seams of frames (`axis: t`), which only remap.grids and remap.points carve and "
+    "these are seams of frames (`axis: t`), which only remap.grids, remap.points and remap.mesh "
+    "carve and "
     "seams.write writes";
 
 std::optional<std::size_t> seams_of(const Auto<Count>& asked, const Seams& last) {

@@ -5,7 +5,9 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <utility>
 
 // `axis: t`, run by the program on a puff of smoke with a mask and points beside it.
 
@@ -131,7 +133,7 @@ TEST_CASE("seams of frames that were kept carve what fewer would, in parts as in
     CHECK(differs(scratch / "two.####.vdb", scratch / "parts.####.vdb") == "");
 }
 
-TEST_CASE("particles beside a volume lose the frames that it loses") {
+TEST_CASE("particles and meshes beside a volume lose the frames that it loses") {
     const Scratch scratch;
     write_resting(scratch, 21);
     for (int frame = 1; frame <= 21; ++frame) {
@@ -141,24 +143,54 @@ TEST_CASE("particles beside a volume lose the frames that it loses") {
                                   "property float y\nproperty float z\nproperty int id\n"
                                   "property int frame\nend_header\n{} {} 0 7 {}\n",
                                   8 * std::cos(turn), 8 * std::sin(turn), frame));
+        scratch.write(fmt::format("bank.{:04}.obj", frame),
+                      fmt::format("v {0} {1} 0\nv {0} {1} 1\nv {0} 0 1\nf 1 2 3\n",
+                                  8 * std::cos(turn), 8 * std::sin(turn)));
     }
-    const auto ran =
-        run(scratch, pipeline(scratch, "shorter", "1-21", "count: -5", ", join: cut",
-                              fmt::format("  drops: {{type: points.read, path: {}}}\n"
-                                          "  fewer: {{type: remap.points, source: drops, lattice: "
-                                          "box, seams: seams, join: cut}}\n"
-                                          "  drops_out: {{type: points.write, source: fewer, "
-                                          "path: {}}}\n",
-                                          scratch / "drops.####.ply", scratch / "out.####.ply")));
-    INFO(ran.err);
-    REQUIRE(ran.code == 0);
-    const auto file = [&](const char* name, int frame) {
-        return fmt::format("{}.{:04}.ply", scratch / name, frame);
+    const auto geometry = [&](const std::string& join) {
+        return fmt::format(
+            "  drops: {{type: points.read, path: {}}}\n"
+            "  fewer: {{type: remap.points, source: drops, lattice: box, seams: seams{}}}\n"
+            "  drops_out: {{type: points.write, source: fewer, path: {}}}\n"
+            "  bank: {{type: mesh.read, path: {}}}\n"
+            "  less: {{type: remap.mesh, source: bank, lattice: box, seams: seams{}}}\n"
+            "  bank_out: {{type: mesh.write, source: less, path: {}}}\n",
+            scratch / "drops.####.ply", join, scratch / "out.####.ply", scratch / "bank.####.obj",
+            join, scratch / "out.####.obj");
     };
-    for (const int frame : {1, 6}) CHECK(differs(file("out", frame), file("drops", frame)) == "");
-    for (const int frame : {10, 16})
-        CHECK(differs(file("out", frame), file("drops", frame + 5)) == "");
-    CHECK_FALSE(std::filesystem::exists(file("out", 17)));
+    const auto file = [&](const char* name, int frame, const char* ending) {
+        return fmt::format("{}.{:04}.{}", scratch / name, frame, ending);
+    };
+    const auto same = [&](int frame, int in_source) {
+        for (const auto& [name, ending] : {std::pair("drops", "ply"), {"bank", "obj"}})
+            CHECK(differs(file("out", frame, ending), file(name, in_source, ending)) == "");
+    };
+    const auto cut = run(scratch, pipeline(scratch, "shorter", "1-21", "count: -5", ", join: cut",
+                                           geometry(", join: cut")));
+    INFO(cut.err);
+    REQUIRE(cut.code == 0);
+    for (const int frame : {1, 6}) same(frame, frame);
+    for (const int frame : {10, 16}) same(frame, frame + 5);
+    for (const auto* const ending : {"ply", "obj"})
+        CHECK_FALSE(std::filesystem::exists(file("out", 17, ending)));
+
+    const auto soft =
+        run(scratch, pipeline(scratch, "soft", "1-21", "count: -5", "", geometry("")));
+    INFO(soft.err);
+    REQUIRE(soft.code == 0);
+    same(1, 1);
+    same(16, 21);
+    // What goes round never goes back, and never jumps, in what is left of the pause.
+    double turn = 0;
+    for (int frame = 1; frame <= 16; ++frame) {
+        const auto text = Scratch::read(file("out", frame, "obj"));
+        double x = 0, y = 0;
+        REQUIRE(std::sscanf(text.c_str() + text.find("\nv ") + 1, "v %lf %lf", &x, &y) == 2);
+        const double now = std::atan2(y, x);
+        if (frame > 1) CHECK(now >= turn - 1e-6);
+        if (frame > 1) CHECK(now <= turn + 2 * 2 * M_PI / 40);
+        turn = now;
+    }
 }
 
 TEST_CASE("frames that readers leave out make no false copies of others") {
@@ -197,12 +229,12 @@ TEST_CASE("what can't take seams of frames, and what they can't do, is told befo
                     "  both: {type: remap.grids, source: sim, lattice: box, seams: [thin, "
                     "seams]}\n"),
                Catch::Contains("takes seams of frames (`axis: t`) alone"));
-    CHECK_THAT(
-        said("1-6", "count: -1", "",
-             "  smooth: {type: filter.seam, source: sim, lattice: box, seams: seams}\n"),
-        Catch::Contains("filter.seam input 'seams' takes 'seams', but these are seams of frames "
-                        "(`axis: t`), which only remap.grids and remap.points carve and "
-                        "seams.write writes"));
+    CHECK_THAT(said("1-6", "count: -1", "",
+                    "  smooth: {type: filter.seam, source: sim, lattice: box, seams: seams}\n"),
+               Catch::Contains(
+                   "filter.seam input 'seams' takes 'seams', but these are seams of frames "
+                   "(`axis: t`), which only remap.grids, remap.points and remap.mesh carve and "
+                   "seams.write writes"));
     CHECK_THAT(said("1-6", "count: -1, best_effort: true"),
                Catch::Contains("the number of frames must be known before the run"));
 }

@@ -48,3 +48,16 @@ TEST_CASE("the distance of two meshes is the mean of their vertices' squares") {
           Approx((4 + 4 + 16) / 3.0));
     CHECK(squared_distance(Mesh(), Mesh()) == 0);
 }
+
+TEST_CASE("each vertex of a mesh, and what lies on it, is at the moment of its place") {
+    const auto a = triangle(1, NumberType::float32), b = triangle(3, NumberType::float32);
+    const auto share = [](const Vec3d& at) { return at.y(); };
+    const auto between = mesh_between(a, b, share, b);
+    CHECK(between.points[0] == a.points[0]);
+    CHECK(between.points[2] == b.points[2]);
+    CHECK(between.attributes[0].values == std::vector<double>{1, 1, 6});
+    auto c = b;
+    c.corners = {0, 2, 1};
+    CHECK(mesh_between(a, c, share, c).corners == c.corners);
+    CHECK(mesh_between(a, c, share, a).points == a.points);
+}

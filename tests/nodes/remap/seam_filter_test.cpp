@@ -2,6 +2,7 @@
 #include "carve/lattice/alignment.h"
 #include "carve/lattice/mapping.h"
 #include "carve/remap/grid.h"
+#include "nodes/filter.h"
 #include "nodes/remap.h"
 #include "tests/support/bent_lattices.h"
 #include "tests/support/grid_bytes.h"

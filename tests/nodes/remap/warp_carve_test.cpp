@@ -5,6 +5,7 @@
 #include "carve/remap/grid.h"
 #include "carve/remap/seam_filter.h"
 #include "carve/remap/voxels/sampled.h"
+#include "nodes/filter.h"
 #include "nodes/remap.h"
 #include "tests/support/bent_lattices.h"
 #include "tests/support/grid_bytes.h"

@@ -1,5 +1,6 @@
 #include "nodes/solving/foreseen.h"
 #include "carve/solver/pyramid.h"
+#include "nodes/filter.h"
 #include "nodes/remap.h"
 #include "nodes/seam.h"
 #include "nodes/seams.h"
