@@ -1,22 +1,21 @@
 #include "runtime/run/run.h"
-#include "graph/text/json_text.h"
-#include "runtime/keep/work_folder.h"
 
 #include "carve/base/words.h"
 #include "formats/file/output_file.h"
+#include "graph/text/json_text.h"
 #include "graph/views/file_places.h"
-#include "runtime/html/html_report.h"
 #include "runtime/keep/history.h"
+#include "runtime/keep/work_folder.h"
 #include "runtime/run/conclusions.h"
 #include "runtime/run/preparation.h"
 #include "runtime/run/prerequisites.h"
+#include "runtime/run/run_end.h"
 #include "runtime/run/status.h"
 #include "runtime/run/steps.h"
 #include "runtime/tell/breakdown.h"
 #include "runtime/tell/outcome.h"
 #include "runtime/tell/terminal.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
@@ -24,9 +23,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 namespace fluidcarve {
 namespace {
@@ -71,81 +73,6 @@ int exit_of(const Report& report, bool cancelled, bool stopped) {
     return only_inputs ? exit_code::input : exit_code::node_failed;
 }
 
-/// Prints failures, warnings, results and times.
-/// @param told  warnings that are already printed
-/// @param done  the last words of a run that is done
-void tell_outcome(const Report& report, const RunRequest& request,
-                  const nlohmann::ordered_json& summary, const std::vector<std::string>& told,
-                  const std::string& done) {
-    constexpr std::size_t most = 20;
-    const auto faults = report.faults();
-    for (std::size_t n = 0; n < std::min(most, faults.size()); ++n)
-        tell("failed: " + to_text(faults[n]));
-    if (faults.size() > most)
-        tell(fmt::format("... and {} more; --report FILE.json lists them all",
-                         faults.size() - most));
-    if (request.quiet) return;
-    for (const auto& warning : report.warnings())
-        if (std::find(told.begin(), told.end(), warning) == told.end()) tell("warning: " + warning);
-    for (const auto& line : report.lines()) tell(line);
-    if (faults.empty() && summary["exit"] == exit_code::done) tell(done);
-    if (summary["exit"] == exit_code::interrupted) tell(interrupted_text(request.options.cache));
-    if (request.verbose)
-        for (const auto& [name, node] : summary["nodes"].items())
-            tell(fmt::format(
-                "{:>10.3f} s  {:>13}  {:>10.1f} MB  {} ({})", node["wall_s"].get<double>(),
-                counted(node["frames"].get<std::size_t>(), "frame"),
-                node["bytes"].get<double>() / 1e6, name, node["type"].get<std::string>()));
-}
-
-/// Writes a text.
-/// @param what  name of the file's kind, for messages
-/// @return `code`, or another exit code if writing fails
-int write_file(const char* what, const std::string& path, const std::string& text, int code) {
-    try {
-        OutputFile::write(path, text);
-        return code;
-    } catch (const Failure& failure) {
-        tell(fmt::format("failed: {}: {}", what, failure.what()));
-        return code == exit_code::done ? exit_code::node_failed : code;
-    }
-}
-
-int code_of(const Failure& failure) {
-    return failure.kind == Failure::Kind::input ? exit_code::input : exit_code::node_failed;
-}
-
-/// Adds to the manifest what the run read. @return the exit code
-int save(Manifest& manifest, const RunRequest& request) {
-    try {
-        const auto [listed, added] = manifest.save();
-        if (!request.quiet)
-            tell(fmt::format("manifest {}: {} as it lists {}, {} added", request.manifest_path,
-                             listed == 1 ? "1 file is" : fmt::format("{} files are", listed),
-                             listed == 1 ? "it" : "them", added));
-        return exit_code::done;
-    } catch (const Failure& failure) {
-        tell(fmt::format("failed: manifest: {}", failure.what()));
-        return code_of(failure);
-    }
-}
-
-/// Writes the report, the page and the profile, if requested. @return the exit code
-int write_all(const Pipeline& pipeline, const Registry& registry, const RunRequest& request,
-              const nlohmann::ordered_json& summary, const RunProfile& profile,
-              std::filesystem::file_time_type start, int code) {
-    if (!request.report_path.empty())
-        code = write_file("report", request.report_path, json_text(summary, 2) + "\n", code);
-    if (!request.profile_path.empty())
-        code = write_file("profile", request.profile_path, profile.text(), code);
-    if (request.html_path.empty()) return code;
-    const auto files = written_files(pipeline, summary["frames"].get<std::vector<int>>(), summary,
-                                     start, request.html_path);
-    const auto when = fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(std::time(nullptr)));
-    return write_file("page", request.html_path,
-                      to_html(pipeline, registry, request.sources, summary, files, when), code);
-}
-
 /// Why a task of a farm can't begin: it does not see the folder of its job, so that it would not
 /// see the results of others. Empty: it does.
 std::string fault_of_task_folder(const RunRequest& request,
@@ -165,49 +92,6 @@ std::string fault_of_task_folder(const RunRequest& request,
         "--task {}: there is no folder {}; share the work folder with this machine, or make the "
         "job again if it was cleaned",
         request.task, folder);
-}
-
-/// Executes a schedule. If a cached result is missing, makes a new schedule and tries again.
-/// @param told  gets the warnings that are printed meanwhile
-/// @return whether the run ended early
-bool execute(const Pipeline& pipeline, const Registry& registry, const RunRequest& request,
-             Preparation& prepared, Schedule schedule, Report& report, WorkTimes& costs,
-             RunProfile* profile, const std::function<bool()>& cancelled,
-             std::vector<std::string>& told) {
-    constexpr int most_attempts = 4;
-    const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
-                                      static_cast<std::size_t>(request.options.threads));
-    tbb::task_arena arena(request.options.threads);
-    Progress progress(request.progress, std::max<std::size_t>(1, prepared.plan().passes.size()),
-                      [&](const std::string& warning) {
-                          if (!request.quiet) tell("warning: " + warning);
-                          told.push_back(warning);
-                      });
-    for (int attempt = 1;; ++attempt) {
-        bool stopped = true, lost = false;
-        arena.execute([&] {
-            Flow flow(pipeline, registry, prepared.inputs().timelines, request.options,
-                      prepared.store(), prepared.guard(), report, progress, costs, profile,
-                      cancelled);
-            flow.run(prepared.plan(), schedule);
-            stopped = flow.stopped();
-            lost = flow.lost();
-        });
-        if (!lost || cancelled() || (!request.options.keep_going && !report.faults().empty()))
-            return stopped;
-        if (attempt == most_attempts) {
-            const auto& node = pipeline.nodes.front();
-            report.failed({node.name, node.type->name, std::nullopt,
-                           fmt::format("results keep disappearing from the work folder '{}'; does "
-                                       "something clean it? --no-cache runs without it",
-                                       request.options.work_folder),
-                           Failure::Kind::data});
-            return true;
-        }
-        // The last attempt does not use the cache.
-        schedule = attempt + 1 == most_attempts ? prepared.uncached_schedule()
-                                                : prepared.careful_schedule();
-    }
 }
 
 /// Reports a failure if results that `--to` asks for, which lie in the work folder alone, are not
@@ -318,128 +202,232 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     return exit_code::done;
 }
 
-int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request,
-                 const std::function<bool()>& cancelled) {
-    const auto start = std::filesystem::file_time_type::clock::now();
-    OutputFile::sync_commits(request.options.sync);
-    for (const auto& [what, path] :
-         {std::pair("report", request.report_path), std::pair("page", request.html_path),
-          std::pair("profile", request.profile_path)}) {
+namespace {
+
+/// A run, from its first message to its exit code.
+class PipelineRun {
+public:
+    PipelineRun(const Pipeline& pipeline, const Registry& registry, const RunRequest& request,
+                const std::function<bool()>& cancelled)
+        : pipeline_(pipeline),
+          registry_(registry),
+          request_(request),
+          cancelled_(cancelled),
+          report_(pipeline),
+          profile_(pipeline) {}
+
+    /// @return the exit code
+    int run() {
+        OutputFile::sync_commits(request_.options.sync);
+        if (const auto code = refusal()) return *code;
         try {
-            if (!path.empty()) OutputFile::require_writable(path);
-        } catch (const Failure& failure) {
-            return tell(fmt::format("failed: {}: {}", what, failure.what())),
-                   exit_code::node_failed;
+            if (request_.options.cache) WorkFolder(request_.options.work_folder).make();
+        } catch (const Failure&) {
+            // Results are then not kept; a message at the end says so.
         }
+        Preparation prepared(pipeline_, registry_, request_.options, request_.wish,
+                             request_.deliver, report_, manifest_ ? &*manifest_ : nullptr);
+        warn(prepared);
+        report_faults(prepared);
+        if (report_.faults().empty()) deliver(prepared);
+        return end(prepared);
     }
-    if (!grants_threads(request)) return exit_code::node_failed;
-    const auto record = request.task.empty() ? std::string()
-                                             : task_record(request.options.work_folder,
-                                                           request.task, request.deliver);
-    std::optional<Manifest> manifest;
-    try {
-        if (!request.manifest_path.empty()) manifest.emplace(request.manifest_path);
-    } catch (const Failure& failure) {
-        return tell(fmt::format("failed: manifest: {}", failure.what())), code_of(failure);
+
+private:
+    /// Why the run can't begin, told; nothing: it can.
+    std::optional<int> refusal() {
+        for (const auto& [what, path] :
+             {std::pair("report", request_.report_path), std::pair("page", request_.html_path),
+              std::pair("profile", request_.profile_path)}) {
+            try {
+                if (!path.empty()) OutputFile::require_writable(path);
+            } catch (const Failure& failure) {
+                tell(fmt::format("failed: {}: {}", what, failure.what()));
+                return exit_code::node_failed;
+            }
+        }
+        if (!grants_threads(request_)) return exit_code::node_failed;
+        try {
+            if (!request_.manifest_path.empty()) manifest_.emplace(request_.manifest_path);
+        } catch (const Failure& failure) {
+            tell(fmt::format("failed: manifest: {}", failure.what()));
+            return code_of(failure);
+        }
+        if (request_.task.empty()) return std::nullopt;
+        record_ = task_record(request_.options.work_folder, request_.task, request_.deliver);
+        const auto fault = fault_of_task_folder(request_, cancelled_);
+        if (fault.empty()) return std::nullopt;
+        tell("failed: " + fault);
+        return exit_code::input;
     }
-    if (const auto fault =
-            request.task.empty() ? std::string() : fault_of_task_folder(request, cancelled);
-        !fault.empty())
-        return tell("failed: " + fault), exit_code::input;
-    Report report(pipeline);
-    RunProfile profile(pipeline);
-    try {
-        if (request.options.cache) WorkFolder(request.options.work_folder).make();
-    } catch (const Failure&) {
-        // Results are then not kept; a message at the end says so.
+
+    /// Tells what is to be warned of before the run.
+    void warn(const Preparation& prepared) {
+        for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n)
+            if (prepared.plan().needed[n])
+                for (const auto& warning : pipeline_.nodes[n].warnings)
+                    report_.warn(n, warning.message);
+        told_ = report_.warnings();
+        if (request_.quiet) return;
+        for (const auto& warning : told_) tell("warning: " + warning);
     }
-    Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report,
-                         manifest ? &*manifest : nullptr);
-    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
-        if (prepared.plan().needed[n])
-            for (const auto& warning : pipeline.nodes[n].warnings) report.warn(n, warning.message);
-    if (!request.quiet)
-        for (const auto& warning : report.warnings()) tell("warning: " + warning);
-    auto told = report.warnings();
-    // Missing files stop the run before it starts. With --keep-going the reader fails at its frame
-    // instead.
-    if (!request.options.keep_going)
-        for (const auto& fault : prepared.inputs().missing) report.failed(fault);
-    for (const auto& fault : prepared.inputs().clashes) report.failed(fault);
-    for (const auto& fault : prepared.unlike_manifest()) report.failed(fault);
-    if (prepared.frames().empty()) {
-        const auto& [targets, digested] =
-            std::tie(prepared.plan().targets, prepared.plan().digested);
+
+    /// Reports what of the inputs stops the run before it starts.
+    void report_faults(const Preparation& prepared) {
+        // With --keep-going the reader of a missing file fails at its frame instead.
+        if (!request_.options.keep_going)
+            for (const auto& fault : prepared.inputs().missing) report_.failed(fault);
+        for (const auto& fault : prepared.inputs().clashes) report_.failed(fault);
+        for (const auto& fault : prepared.unlike_manifest()) report_.failed(fault);
+        if (!prepared.frames().empty()) return;
+        const auto& plan = prepared.plan();
         std::size_t first = 0;
-        while (!targets[first] && !digested[first]) ++first;
-        const auto& node = pipeline.nodes[first];
-        report.failed(
+        while (!plan.targets[first] && !plan.digested[first]) ++first;
+        const auto& node = pipeline_.nodes[first];
+        report_.failed(
             {node.name, node.type->name, std::nullopt,
              "no frame is left: every frame lacks a file of a reader with `missing: skip`",
              Failure::Kind::input});
     }
 
-    const auto delivered = prepared.delivered_frames();
-    bool stopped = true, idle = false, whole = false;
-    std::vector<std::string> written;
-    std::optional<std::size_t> frames;
-    if (report.faults().empty()) {
+    /// Computes and writes what is missing.
+    void deliver(Preparation& prepared) {
         auto [schedule, to_do, absent] =
-            wait_for_prerequisites(pipeline, prepared, request, cancelled);
-        for (auto& fault : absent) report.failed(std::move(fault));
-        prepared.repeat_said(schedule, report);
+            wait_for_prerequisites(pipeline_, prepared, request_, cancelled_);
+        for (auto& fault : absent) report_.failed(std::move(fault));
+        prepared.repeat_said(schedule, report_);
         // repeat_said found a damaged entry: its result must be computed again.
         if (prepared.cache().damaged() > 0) {
             schedule = prepared.careful_schedule();
-            to_do = shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
+            to_do = shares(pipeline_, prepared.plan(), schedule, prepared.uncached_schedule());
         }
-        History history(request.options.cache ? request.options.work_folder : std::string(),
-                        pipeline.name);
+        History history(work_folder(), pipeline_.name);
         const auto forecast =
-            make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
-        if (request.verbose)
-            std::fputs((to_text(forecast) + to_text(file_places(pipeline))).c_str(), stderr);
-        if (report.faults().empty() && !request.options.keep_going)
-            try_outputs(pipeline, to_do,
-                        (delivered.empty() ? prepared.frames() : delivered).front(), report);
-        report.expect(to_do);
-        if (report.faults().empty()) {
-            remember(pipeline, prepared, to_do, history);
-            StatusFile status(request.options.cache ? request.options.work_folder : std::string(),
-                              forecast, report, record);
-            WorkTimes costs(forecast.expected);
-            idle = nothing_to_do(to_do);
-            written = written_paths(pipeline, to_do);
-            frames = written_frames(pipeline, to_do);
-            stopped = execute(pipeline, registry, request, prepared, schedule, report, costs,
-                              request.profile_path.empty() ? nullptr : &profile, cancelled, told);
-            whole = all_done(report, to_do);
-            prepared.cache().finish();
-            if (report.faults().empty() && (whole || !cancelled()) &&
-                !keeps_what_was_asked(pipeline, prepared, request, report))
-                stopped = true;
-            status.end(exit_of(report, cancelled() && !whole, stopped));
-            remember_costs(pipeline, prepared, costs, report, history);
-            conclude(pipeline, prepared.inputs().timelines, to_do, report);
-            const auto left = prepared.cache().trim(request.options.cache_size).left;
-            const auto fault = WorkFolder(request.options.work_folder).fault();
-            if (left > request.options.cache_size && !fault.empty() && !request.quiet)
-                tell(
-                    fmt::format("warning: results take {}, more than --cache-size ({}), but can't "
-                                "be removed: {}",
-                                size_text(left), size_text(request.options.cache_size), fault));
+            make_forecast(pipeline_, prepared, schedule, to_do, history, request_.options);
+        if (request_.verbose)
+            std::fputs((to_text(forecast) + to_text(file_places(pipeline_))).c_str(), stderr);
+        if (report_.faults().empty() && !request_.options.keep_going)
+            try_outputs(pipeline_, to_do, delivered(prepared).front(), report_);
+        report_.expect(to_do);
+        if (!report_.faults().empty()) return;
+        remember(pipeline_, prepared, to_do, history);
+        idle_ = nothing_to_do(to_do);
+        written_ = written_paths(pipeline_, to_do);
+        frames_ = written_frames(pipeline_, to_do);
+        StatusFile status(work_folder(), forecast, report_, record_);
+        WorkTimes costs(forecast.expected);
+        stopped_ = execute(prepared, schedule, costs);
+        whole_ = all_done(report_, to_do);
+        prepared.cache().finish();
+        if (report_.faults().empty() && (whole_ || !cancelled_()) &&
+            !keeps_what_was_asked(pipeline_, prepared, request_, report_))
+            stopped_ = true;
+        status.end(code());
+        remember_costs(pipeline_, prepared, costs, report_, history);
+        conclude(pipeline_, prepared.inputs().timelines, to_do, report_);
+        trim(prepared);
+    }
+
+    /// Executes a schedule. If a cached result is missing, makes a new schedule and tries again.
+    /// @return whether the run ended early
+    bool execute(Preparation& prepared, Schedule schedule, WorkTimes& costs) {
+        constexpr int most_attempts = 4;
+        const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                          static_cast<std::size_t>(request_.options.threads));
+        tbb::task_arena arena(request_.options.threads);
+        Progress progress(request_.progress,
+                          std::max<std::size_t>(1, prepared.plan().passes.size()),
+                          [&](const std::string& warning) {
+                              if (!request_.quiet) tell("warning: " + warning);
+                              told_.push_back(warning);
+                          });
+        for (int attempt = 1;; ++attempt) {
+            bool stopped = true, lost = false;
+            arena.execute([&] {
+                Flow flow(pipeline_, registry_, prepared.inputs().timelines, request_.options,
+                          prepared.store(), prepared.guard(), report_, progress, costs,
+                          request_.profile_path.empty() ? nullptr : &profile_, cancelled_);
+                flow.run(prepared.plan(), schedule);
+                stopped = flow.stopped();
+                lost = flow.lost();
+            });
+            if (!lost || cancelled_() ||
+                (!request_.options.keep_going && !report_.faults().empty()))
+                return stopped;
+            if (attempt == most_attempts) {
+                const auto& node = pipeline_.nodes.front();
+                report_.failed(
+                    {node.name, node.type->name, std::nullopt,
+                     fmt::format("results keep disappearing from the work folder '{}'; does "
+                                 "something clean it? --no-cache runs without it",
+                                 request_.options.work_folder),
+                     Failure::Kind::data});
+                return true;
+            }
+            // The last attempt does not use the cache.
+            schedule = attempt + 1 == most_attempts ? prepared.uncached_schedule()
+                                                    : prepared.careful_schedule();
         }
     }
-    int code = exit_of(report, cancelled() && !whole, stopped);
-    if (code != exit_code::done && !record.empty())
-        StatusFile::record_failure(record, pipeline.name, delivered, report, code);
-    if (manifest && code == exit_code::done) code = save(*manifest, request);
-    const auto summary = report.to_json(delivered, code);
-    if (!request.quiet) tell_of_cache(prepared.cache(), report);
-    tell_outcome(report, request, summary, told,
-                 done_text({frames.value_or(delivered.size()), summary["wall_s"].get<double>(),
-                            idle, written}));
-    return write_all(pipeline, registry, request, summary, profile, start, code);
+
+    /// Removes results that were not used for longest, and warns if they can't be.
+    void trim(Preparation& prepared) const {
+        const auto left = prepared.cache().trim(request_.options.cache_size).left;
+        const auto fault = WorkFolder(request_.options.work_folder).fault();
+        if (left > request_.options.cache_size && !fault.empty() && !request_.quiet)
+            tell(
+                fmt::format("warning: results take {}, more than --cache-size ({}), but can't be "
+                            "removed: {}",
+                            size_text(left), size_text(request_.options.cache_size), fault));
+    }
+
+    /// Tells the outcome, and writes what is written of a run. @return the exit code
+    int end(Preparation& prepared) {
+        const auto frames = prepared.delivered_frames();
+        int code = this->code();
+        if (code != exit_code::done && !record_.empty())
+            StatusFile::record_failure(record_, pipeline_.name, frames, report_, code);
+        if (manifest_ && code == exit_code::done) code = save_manifest(*manifest_, request_);
+        const auto summary = report_.to_json(frames, code);
+        if (!request_.quiet) tell_of_cache(prepared.cache(), report_);
+        tell_outcome(report_, request_, summary, told_,
+                     done_text({frames_.value_or(frames.size()), summary["wall_s"].get<double>(),
+                                idle_, written_}));
+        return write_reports(pipeline_, registry_, request_, summary, profile_, start_, code);
+    }
+
+    int code() const { return exit_of(report_, cancelled_() && !whole_, stopped_); }
+    /// Empty: no results are kept.
+    std::string work_folder() const {
+        return request_.options.cache ? request_.options.work_folder : std::string();
+    }
+    /// The frames that are asked for, at least one.
+    static std::vector<int> delivered(const Preparation& prepared) {
+        auto out = prepared.delivered_frames();
+        return out.empty() ? prepared.frames() : out;
+    }
+
+    const Pipeline& pipeline_;
+    const Registry& registry_;
+    const RunRequest& request_;
+    const std::function<bool()>& cancelled_;
+    const std::filesystem::file_time_type start_ = std::filesystem::file_time_type::clock::now();
+    Report report_;
+    RunProfile profile_;
+    std::optional<Manifest> manifest_;
+    std::string record_;             ///< file of a task of a farm; empty: it is none
+    std::vector<std::string> told_;  ///< warnings that are printed
+    /// The run ended early; had nothing to do; did all that it had to do.
+    bool stopped_ = true, idle_ = false, whole_ = false;
+    std::vector<std::string> written_;   ///< paths
+    std::optional<std::size_t> frames_;  ///< number of frames that are written
+};
+
+}  // namespace
+
+int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request,
+                 const std::function<bool()>& cancelled) {
+    return PipelineRun(pipeline, registry, request, cancelled).run();
 }
 
 }  // namespace fluidcarve

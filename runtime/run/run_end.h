@@ -1,0 +1,38 @@
+#pragma once
+
+#include "carve/base/failure.h"
+#include "graph/pipeline.h"
+#include "runtime/keep/manifest.h"
+#include "runtime/run/request.h"
+#include "runtime/tell/profile.h"
+#include "runtime/tell/report.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace fluidcarve {
+
+// What is told and written at the end of a run.
+
+/// Prints failures, warnings, results and times.
+/// @param told  warnings that are already printed
+/// @param done  the last words of a run that is done
+void tell_outcome(const Report& report, const RunRequest& request,
+                  const nlohmann::ordered_json& summary, const std::vector<std::string>& told,
+                  const std::string& done);
+
+/// The exit code of a failure.
+int code_of(const Failure& failure);
+
+/// Adds to the manifest what the run read. @return the exit code
+int save_manifest(Manifest& manifest, const RunRequest& request);
+
+/// Writes the report, the page and the profile, if requested. @return the exit code
+int write_reports(const Pipeline& pipeline, const Registry& registry, const RunRequest& request,
+                  const nlohmann::ordered_json& summary, const RunProfile& profile,
+                  std::filesystem::file_time_type start, int code);
+
+}  // namespace fluidcarve
