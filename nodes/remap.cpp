@@ -101,14 +101,19 @@ protected:
                 "takes seams of frames (`axis: t`) alone: carve them by a node of their own, and "
                 "what it gives by the others");
         try {
-            time_join_of(params, false);
+            const auto how = time_join_of(params, false);
+            if (params.transform_vectors && (how.fade == 1 || !how.moved))
+                ahead.fault(
+                    "'transform_vectors' has no effect on frames that go over at once or are "
+                    "blended, in which time goes as fast as before: leave it out, or state `join: "
+                    "squeeze`");
         } catch (const Failure& failure) {
             ahead.fault(failure.what());
         }
     }
     /// The parameters of both nodes that have no effect on frames.
     static std::string without_effect(const Params& params) {
-        return params.transform_vectors ? "transform_vectors" : params.rim != Rim::cut ? "rim" : "";
+        return params.rim != Rim::cut ? "rim" : "";
     }
     void finish_frames(const Params& params, const Seams& seams, Context& context) {
         frames_.finish(seams, seams_of(params.count, seams).value_or(seams.size()),
@@ -160,7 +165,8 @@ struct RemapGrids : RemapInTime {
 
     void run(const Params& params, Ports& io, Context& context) const {
         if (params.in_time) {
-            io.volume = std::make_shared<Volume>(frames_.volume(context.frame()));
+            io.volume =
+                std::make_shared<Volume>(frames_.volume(context.frame(), params.transform_vectors));
             return;
         }
         const auto map = map_of(params, io, context);
@@ -202,7 +208,8 @@ NodeType remap_grids() {
                 "Seams or a warp, or a list of them in the order of carving. Or one set of seams "
                 "of frames (`axis: t` of its solver): then the sequence gets shorter or longer, "
                 "and what follows this node has the new frames. Of the parameters, only "
-                "`count`, `join` and `fade`, in frames, then matter. With `join: cut` all is bit "
+                "`count`, `join`, `fade`, in frames, and `transform_vectors` then matter. With "
+                "`join: cut` all is bit "
                 "for bit that of a frame of the source. Points go over one by one.")
             .param("count", &RemapGrids::Params::count, Unit::seams, any_number(), count_doc)
             .param("interpolation", &RemapGrids::Params::interpolation,
@@ -222,8 +229,9 @@ NodeType remap_grids() {
             .param("transform_vectors", &RemapInTime::Params::transform_vectors,
                    "Whether vectors turn and stretch with the space around them, as the velocities "
                    "of a carved flow do. This applies to all grids of float vectors, also those in "
-                   "three parts, and to the velocities of points: carve colours by a node of "
-                   "their own.")
+                   "three parts, and to the velocities of points. If frames are carved, it "
+                   "multiplies them by how fast time goes, for motion blur. Carve colours by a "
+                   "node of their own.")
             .param("rim", &RemapGrids::Params::rim,
                    "How the carve ends at the lattice's rims beside the carved axis (the rims "
                    "along v if u is carved) and at open ends. cut: it stops there; content that "
@@ -364,7 +372,8 @@ struct RemapPoints : RemapInTime {
 
     void run(const Params& params, Ports& io, Context& context) const {
         if (params.in_time) {
-            io.points = std::make_shared<Points>(frames_.points(context.frame()));
+            io.points =
+                std::make_shared<Points>(frames_.points(context.frame(), params.transform_vectors));
             return;
         }
         const auto map = map_of(params, io, context);
@@ -426,7 +435,7 @@ NodeType remap_points() {
                    "a whole number `id`; without one, set 0 if copies must not tremble.")
             .param("transform_vectors", &RemapInTime::Params::transform_vectors,
                    "Whether the velocities of points (v, vel, velocity, or what else ends so) turn "
-                   "and stretch with the space around them, as in remap.grids.")
+                   "and stretch with the space around them, and with time, as in remap.grids.")
             .output("points", &RemapPoints::Ports::points,
                     "The carved source, with all attributes and groups. The report's section "
                     "`points` tells how many were moved, deleted and copied in each frame, unless "

@@ -3,6 +3,7 @@
 #include "carve/base/failure.h"
 #include "carve/base/frame_set.h"
 #include "carve/time/mesh_between.h"
+#include "carve/time/paced.h"
 
 #include <fmt/format.h>
 
@@ -69,12 +70,16 @@ int FrameCarve::place_of(int number) const {
     return static_cast<int>(found - left_.begin());
 }
 
-Volume FrameCarve::volume(int number) const {
-    return map_->frame(frames_of(source_, *motions_), place_of(number));
+Volume FrameCarve::volume(int number, bool pace) const {
+    const int n = place_of(number);
+    const auto out = map_->frame(frames_of(source_, *motions_), n);
+    return pace ? paced(out, map_->rate(n)) : out;
 }
 
-Points FrameCarve::points(int number) const {
-    return map_->frame(frames_of(*points_), place_of(number));
+Points FrameCarve::points(int number, bool pace) const {
+    const int n = place_of(number);
+    const auto out = map_->frame(frames_of(*points_), n);
+    return pace ? paced(out, map_->rate(n)) : out;
 }
 
 Mesh FrameCarve::mesh(int number) const {

@@ -40,9 +40,10 @@ public:
     /// things move to, or the faces of meshes change.
     bool blends() const { return blends_; }
     /// A frame that the carve leaves. May be called from many threads at once.
+    /// @param pace  whether velocities are multiplied by how fast time goes where they are
     /// @throws Failure if there is none of this number
-    Volume volume(int number) const;
-    Points points(int number) const;
+    Volume volume(int number, bool pace) const;
+    Points points(int number, bool pace) const;
     Mesh mesh(int number) const;
 
 private:

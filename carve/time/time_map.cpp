@@ -201,19 +201,29 @@ std::optional<TimeMap::Corners> TimeMap::corners_at(const openvdb::Vec3d& world,
     return out;
 }
 
+double TimeMap::at(const Moments& moments, const openvdb::Vec3d& world) const {
+    const auto corners = corners_at(world, false);
+    if (!corners) return double(moments.outside);
+    // From the first of them on, so that whole moments stay whole.
+    const double first = moments.at[corners->vertex[0]];
+    double out = first;
+    for (std::size_t c = 1; c < 8; ++c)
+        out += double(corners->weight[c]) * (moments.at[corners->vertex[c]] - first);
+    return out;
+}
+
+ShareAt TimeMap::rate(int n) const {
+    const int before = std::max(n - 1, 0), after = std::min(n + 1, frames_ - 1);
+    if (before == after || !join_.moved || join_.fade == 1)
+        return [](const openvdb::Vec3d&) { return 1.0; };
+    return [this, from = moments(before), to = moments(after), frames = after - before](
+               const openvdb::Vec3d& world) { return (at(to, world) - at(from, world)) / frames; };
+}
+
 template <class T>
 T TimeMap::moved(const FrameSource<T>& source, int n) const {
     const auto moments = this->moments(n);
-    const auto moment_at = [&](const openvdb::Vec3d& world) {
-        const auto corners = corners_at(world, false);
-        if (!corners) return double(moments.outside);
-        // From the first of them on, so that whole moments stay whole.
-        const double first = moments.at[corners->vertex[0]];
-        double out = first;
-        for (std::size_t c = 1; c < 8; ++c)
-            out += double(corners->weight[c]) * (moments.at[corners->vertex[c]] - first);
-        return out;
-    };
+    const auto moment_at = [&](const openvdb::Vec3d& world) { return at(moments, world); };
     const auto [least, most] = std::ranges::minmax(moments.at);
     const auto first = static_cast<std::size_t>(std::floor(least)),
                last = static_cast<std::size_t>(std::ceil(most));

@@ -62,6 +62,10 @@ public:
     /// @param n       from 0 to frames() - 1
     template <class T>
     T frame(const FrameSource<T>& source, int n) const;
+    /// How fast time goes in a frame of the result: frames of the source per frame, by world
+    /// position. 1 where places go over at once, or are blended: each side then moves at its own
+    /// speed. Must not outlive this.
+    ShareAt rate(int n) const;
 
 private:
     /// A frame of the source that is seen in one of the result.
@@ -88,6 +92,7 @@ private:
     template <class T>
     T blended(const FrameSource<T>& source, int n) const;
     Moments moments(int n) const;
+    double at(const Moments& moments, const openvdb::Vec3d& world) const;
     /// All that are seen in a frame of the result. Their shares add up to 1 everywhere.
     std::vector<Seen> seen(int n) const;
     std::size_t vertices() const;

@@ -106,11 +106,12 @@ SeamTask task_of(const SolverParams& params, const LatticeForm& form, bool carve
             out.limit = fmt::format("{}window [{}, {}]: it has room to {} {}", part.prefix(),
                                     part.window.first, part.window.last, to_text(kind), room);
         }
-        if (params.axis == Axis::t && !window && out.count > room)
+        const bool inner = part.window.first == 1 && part.window.last == size - 2;
+        if (params.axis == Axis::t && inner && out.count > room)
             throw Failure(fmt::format(
-                "of {} frames the first and the last stay, so that there is room to {} {}, not {}; "
-                "ask for fewer",
-                size, to_text(kind), room, out.count));
+                "{} seams do not fit: window [{}, {}] has room to {} {}, since the first and the "
+                "last frame stay; ask for fewer",
+                out.count, part.window.first, part.window.last, to_text(kind), room));
         require_room(kind, out.count, part.window, size, finest);
         return part;
     };

@@ -293,3 +293,25 @@ TEST_CASE("seams of frames want their own lattice, and no others serve as such")
     CHECK_THAT(failure_of([&] { TimeMap(set, voxels(), 0, TimeJoin{}); }),
                Catch::Contains("they were found along u"));
 }
+
+TEST_CASE("time goes faster where a frame leaves, slower where one comes in, else as before") {
+    const openvdb::Vec3d at(1, 2, 1);
+    for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert}) {
+        auto set = empty_set(kind);
+        set.seams.push_back(straight_seam(set, 3));
+        const TimeMap map(set, voxels(), 1, {2, true});
+        double sum = 0;
+        for (int n = 1; n + 1 < map.frames(); ++n) {
+            const double rate = map.rate(n)(at);
+            CHECK(rate == Approx(map.rate(n)(openvdb::Vec3d(-5))));
+            sum += 2 * rate;
+            CHECK((kind == Seams::Kind::remove ? rate >= 1 : rate <= 1));
+        }
+        // From the first two frames of the source to the last two.
+        CHECK(sum == Approx(2 * frame_count - 4));
+        CHECK(map.rate(0)(at) == 1);
+        for (const auto& join : {TimeJoin{}, TimeJoin{2, false}, TimeJoin{1, true}})
+            CHECK(TimeMap(set, voxels(), 1, join).rate(3)(at) == 1);
+    }
+    CHECK(TimeMap(empty_set(Seams::Kind::remove), voxels(), 0, {2, true}).rate(2)(at) == 1);
+}

@@ -1,0 +1,57 @@
+#include "carve/time/paced.h"
+
+#include "carve/points/point_vectors.h"
+#include "carve/stream/openvdb_types.h"
+#include "carve/volume/triplet.h"
+
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/ValueTransformer.h>
+
+#include <cstddef>
+
+namespace fluidcarve {
+namespace {
+
+/// Multiplies the active values. The grid itself if it is of another type.
+template <class GridT>
+openvdb::GridBase::ConstPtr multiplied(const openvdb::GridBase::ConstPtr& base,
+                                       const ShareAt& rate) {
+    using Value = typename GridT::ValueType;
+    const auto grid = openvdb::gridConstPtrCast<GridT>(base);
+    if (!grid) return base;
+    const auto out = grid->deepCopy();
+    openvdb::tools::foreach (out->beginValueOn(), [&](const typename GridT::ValueOnIter& value) {
+        openvdb::CoordBBox box;
+        value.getBoundingBox(box);
+        value.setValue(Value(*value * rate(out->indexToWorld(box.getCenter()))));
+    });
+    return out;
+}
+
+}  // namespace
+
+Volume paced(const Volume& volume, const ShareAt& rate) {
+    auto out = volume;
+    for (auto& held : out.grids) {
+        const auto& header = held.header();
+        if (is_point_grid(header)) held = held.holding(paced(points_in(held), rate).grid);
+        else if (header.isType<openvdb::Vec3SGrid>())
+            held = multiplied<openvdb::Vec3SGrid>(held, rate);
+        else if (header.isType<openvdb::Vec3DGrid>())
+            held = multiplied<openvdb::Vec3DGrid>(held, rate);
+        else if (header.isType<FloatGrid>() && triplet_of(volume, header))
+            held = multiplied<FloatGrid>(held, rate);
+    }
+    return out;
+}
+
+Points paced(const Points& points, const ShareAt& rate) {
+    const auto name = velocity_name(points);
+    auto velocities = vectors_of(points, name);
+    if (velocities.empty()) return points;
+    const auto positions = points.positions();
+    for (std::size_t n = 0; n < velocities.size(); ++n) velocities[n] *= rate(positions[n]);
+    return with_vectors(points, name, velocities);
+}
+
+}  // namespace fluidcarve
