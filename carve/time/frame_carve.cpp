@@ -8,8 +8,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 
 namespace fluidcarve {
+
+namespace {
+
+/// Whether floats are shown, but no grid in any two neighbouring frames by which motion is found.
+bool shows_no_motion(const Sequence& source) {
+    if (source.box().empty()) return false;
+    for (std::size_t place = 0; place + 1 < source.size(); ++place)
+        if (moving_in(source.at(place), source.at(place + 1))) return false;
+    return source.size() > 1;
+}
+
+}  // namespace
 
 void FrameCarve::require_still(const Ref<Lattice>& lattice) {
     if (lattice_ && lattice_->hash != lattice->hash)
@@ -54,9 +67,7 @@ void FrameCarve::finish(const Seams& seams, std::size_t count, const std::vector
     left_ = left;
     const auto how = time_join_of(join, seams.thick());
     map_.emplace(seams, *lattice_, count, how);
-    blends_ = how.fade > 1 &&
-              (faces_change_ || (how.moved && source_.size() > 1 && !source_.box().empty() &&
-                                 !moving_in(source_.at(0), source_.at(1))));
+    blends_ = faces_change_ || (how.fade > 1 && how.moved && shows_no_motion(source_));
     motions_.emplace(source_, 0, memory_budget);
 }
 

@@ -20,11 +20,12 @@ openvdb::GridBase::ConstPtr multiplied(const openvdb::GridBase::ConstPtr& base,
     const auto grid = openvdb::gridConstPtrCast<GridT>(base);
     if (!grid) return base;
     const auto out = grid->deepCopy();
+    // A tile has one value, but the rate differs within it.
+    out->tree().voxelizeActiveTiles();
     openvdb::tools::foreach (out->beginValueOn(), [&](const typename GridT::ValueOnIter& value) {
-        openvdb::CoordBBox box;
-        value.getBoundingBox(box);
-        value.setValue(Value(*value * rate(out->indexToWorld(box.getCenter()))));
+        value.setValue(Value(*value * rate(out->indexToWorld(value.getCoord()))));
     });
+    out->pruneGrid();
     return out;
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstddef>
@@ -42,9 +43,9 @@ std::vector<std::vector<double>> read_curve(const std::string& path) {
     std::vector<std::vector<double>> out;
     bool first = true;
     while (file.next()) {
-        const auto words = words_of(file.line().substr(0, file.line().find('#')), ",; \t\r");
+        const auto words = words_of(file.line().substr(0, file.line().find('#')), ",;\" \t\r");
         if (words.empty()) continue;
-        const bool names = first && !numeric(words[0]);
+        const bool names = first && !std::ranges::any_of(words, numeric);
         first = false;
         if (names) continue;
         if (words.size() != 2)

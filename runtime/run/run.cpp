@@ -209,27 +209,25 @@ class PipelineRun {
 public:
     PipelineRun(const Pipeline& pipeline, const Registry& registry, const RunRequest& request,
                 const std::function<bool()>& cancelled)
-        : pipeline_(pipeline),
-          registry_(registry),
-          request_(request),
-          cancelled_(cancelled),
-          report_(pipeline),
-          profile_(pipeline) {}
+        : pipeline_(pipeline), registry_(registry), request_(request), cancelled_(cancelled) {}
 
     /// @return the exit code
     int run() {
         OutputFile::sync_commits(request_.options.sync);
         if (const auto code = refusal()) return *code;
+        // Their clocks start here: what a task waits for its folder is no time of the run.
+        report_.emplace(pipeline_);
+        profile_.emplace(pipeline_);
         try {
             if (request_.options.cache) WorkFolder(request_.options.work_folder).make();
         } catch (const Failure&) {
             // Results are then not kept; a message at the end says so.
         }
         Preparation prepared(pipeline_, registry_, request_.options, request_.wish,
-                             request_.deliver, report_, manifest_ ? &*manifest_ : nullptr);
+                             request_.deliver, *report_, manifest_ ? &*manifest_ : nullptr);
         warn(prepared);
         report_faults(prepared);
-        if (report_.faults().empty()) deliver(prepared);
+        if (report_->faults().empty()) deliver(prepared);
         return end(prepared);
     }
 
@@ -266,8 +264,8 @@ private:
         for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n)
             if (prepared.plan().needed[n])
                 for (const auto& warning : pipeline_.nodes[n].warnings)
-                    report_.warn(n, warning.message);
-        told_ = report_.warnings();
+                    report_->warn(n, warning.message);
+        told_ = report_->warnings();
         if (request_.quiet) return;
         for (const auto& warning : told_) tell("warning: " + warning);
     }
@@ -276,15 +274,15 @@ private:
     void report_faults(const Preparation& prepared) {
         // With --keep-going the reader of a missing file fails at its frame instead.
         if (!request_.options.keep_going)
-            for (const auto& fault : prepared.inputs().missing) report_.failed(fault);
-        for (const auto& fault : prepared.inputs().clashes) report_.failed(fault);
-        for (const auto& fault : prepared.unlike_manifest()) report_.failed(fault);
+            for (const auto& fault : prepared.inputs().missing) report_->failed(fault);
+        for (const auto& fault : prepared.inputs().clashes) report_->failed(fault);
+        for (const auto& fault : prepared.unlike_manifest()) report_->failed(fault);
         if (!prepared.frames().empty()) return;
         const auto& plan = prepared.plan();
         std::size_t first = 0;
         while (!plan.targets[first] && !plan.digested[first]) ++first;
         const auto& node = pipeline_.nodes[first];
-        report_.failed(
+        report_->failed(
             {node.name, node.type->name, std::nullopt,
              "no frame is left: every frame lacks a file of a reader with `missing: skip`",
              Failure::Kind::input});
@@ -294,8 +292,8 @@ private:
     void deliver(Preparation& prepared) {
         auto [schedule, to_do, absent] =
             wait_for_prerequisites(pipeline_, prepared, request_, cancelled_);
-        for (auto& fault : absent) report_.failed(std::move(fault));
-        prepared.repeat_said(schedule, report_);
+        for (auto& fault : absent) report_->failed(std::move(fault));
+        prepared.repeat_said(schedule, *report_);
         // repeat_said found a damaged entry: its result must be computed again.
         if (prepared.cache().damaged() > 0) {
             schedule = prepared.careful_schedule();
@@ -306,25 +304,25 @@ private:
             make_forecast(pipeline_, prepared, schedule, to_do, history, request_.options);
         if (request_.verbose)
             std::fputs((to_text(forecast) + to_text(file_places(pipeline_))).c_str(), stderr);
-        if (report_.faults().empty() && !request_.options.keep_going)
-            try_outputs(pipeline_, to_do, delivered(prepared).front(), report_);
-        report_.expect(to_do);
-        if (!report_.faults().empty()) return;
+        if (report_->faults().empty() && !request_.options.keep_going)
+            try_outputs(pipeline_, to_do, delivered(prepared).front(), *report_);
+        report_->expect(to_do);
+        if (!report_->faults().empty()) return;
         remember(pipeline_, prepared, to_do, history);
         idle_ = nothing_to_do(to_do);
         written_ = written_paths(pipeline_, to_do);
         frames_ = written_frames(pipeline_, to_do);
-        StatusFile status(work_folder(), forecast, report_, record_);
+        StatusFile status(work_folder(), forecast, *report_, record_);
         WorkTimes costs(forecast.expected);
         stopped_ = execute(prepared, schedule, costs);
-        whole_ = all_done(report_, to_do);
+        whole_ = all_done(*report_, to_do);
         prepared.cache().finish();
-        if (report_.faults().empty() && (whole_ || !cancelled_()) &&
-            !keeps_what_was_asked(pipeline_, prepared, request_, report_))
+        if (report_->faults().empty() && (whole_ || !cancelled_()) &&
+            !keeps_what_was_asked(pipeline_, prepared, request_, *report_))
             stopped_ = true;
         status.end(code());
-        remember_costs(pipeline_, prepared, costs, report_, history);
-        conclude(pipeline_, prepared.inputs().timelines, to_do, report_);
+        remember_costs(pipeline_, prepared, costs, *report_, history);
+        conclude(pipeline_, prepared.inputs().timelines, to_do, *report_);
         trim(prepared);
     }
 
@@ -345,18 +343,18 @@ private:
             bool stopped = true, lost = false;
             arena.execute([&] {
                 Flow flow(pipeline_, registry_, prepared.inputs().timelines, request_.options,
-                          prepared.store(), prepared.guard(), report_, progress, costs,
-                          request_.profile_path.empty() ? nullptr : &profile_, cancelled_);
+                          prepared.store(), prepared.guard(), *report_, progress, costs,
+                          request_.profile_path.empty() ? nullptr : &*profile_, cancelled_);
                 flow.run(prepared.plan(), schedule);
                 stopped = flow.stopped();
                 lost = flow.lost();
             });
             if (!lost || cancelled_() ||
-                (!request_.options.keep_going && !report_.faults().empty()))
+                (!request_.options.keep_going && !report_->faults().empty()))
                 return stopped;
             if (attempt == most_attempts) {
                 const auto& node = pipeline_.nodes.front();
-                report_.failed(
+                report_->failed(
                     {node.name, node.type->name, std::nullopt,
                      fmt::format("results keep disappearing from the work folder '{}'; does "
                                  "something clean it? --no-cache runs without it",
@@ -386,17 +384,17 @@ private:
         const auto frames = prepared.delivered_frames();
         int code = this->code();
         if (code != exit_code::done && !record_.empty())
-            StatusFile::record_failure(record_, pipeline_.name, frames, report_, code);
+            StatusFile::record_failure(record_, pipeline_.name, frames, *report_, code);
         if (manifest_ && code == exit_code::done) code = save_manifest(*manifest_, request_);
-        const auto summary = report_.to_json(frames, code);
-        if (!request_.quiet) tell_of_cache(prepared.cache(), report_);
-        tell_outcome(report_, request_, summary, told_,
+        const auto summary = report_->to_json(frames, code);
+        if (!request_.quiet) tell_of_cache(prepared.cache(), *report_);
+        tell_outcome(*report_, request_, summary, told_,
                      done_text({frames_.value_or(frames.size()), summary["wall_s"].get<double>(),
                                 idle_, written_}));
-        return write_reports(pipeline_, registry_, request_, summary, profile_, start_, code);
+        return write_reports(pipeline_, registry_, request_, summary, *profile_, start_, code);
     }
 
-    int code() const { return exit_of(report_, cancelled_() && !whole_, stopped_); }
+    int code() const { return exit_of(*report_, cancelled_() && !whole_, stopped_); }
     /// Empty: no results are kept.
     std::string work_folder() const {
         return request_.options.cache ? request_.options.work_folder : std::string();
@@ -412,8 +410,8 @@ private:
     const RunRequest& request_;
     const std::function<bool()>& cancelled_;
     const std::filesystem::file_time_type start_ = std::filesystem::file_time_type::clock::now();
-    Report report_;
-    RunProfile profile_;
+    std::optional<Report> report_;
+    std::optional<RunProfile> profile_;
     std::optional<Manifest> manifest_;
     std::string record_;             ///< file of a task of a farm; empty: it is none
     std::vector<std::string> told_;  ///< warnings that are printed

@@ -113,10 +113,11 @@ TEST_CASE("a curve of frames is read from a CSV file") {
     const auto at_curve = [&](const std::string& text) {
         return timed(scratch, "time.retime, curve_file: " + scratch.write("curve.csv", text));
     };
-    REQUIRE(at_curve("frame,source\r\n1,2\r\n3,6\r\n# held\r\n5,6\r\n").code == 0);
+    REQUIRE(at_curve("\"frame\",\"source\"\r\n\"1\",2\r\n3,6\r\n# held\r\n5,6\r\n").code == 0);
     for (const auto& [frame, shows] : {std::pair(1, 2), {2, 4}, {3, 6}, {5, 6}})
         CHECK(numbers_in(file(scratch, "now", frame, "obj")) ==
               numbers_in(file(scratch, "bank", shows, "obj")));
+    CHECK_THAT(at_curve("l1,2\n3,6\n").err, Catch::Contains("curve.csv:1"));
     CHECK_THAT(at_curve("1 2\n3\n").err,
                Catch::Contains("curve.csv:2") && Catch::Contains("needs two numbers"));
     CHECK_THAT(at_curve("1;2\n1;3\n").err,

@@ -63,3 +63,14 @@ TEST_CASE("so are the velocities of points, and points without any stay as they 
     CHECK(velocities == std::vector<Vec3d>{{1, 2, 0}, {4, 8, 0}});
     CHECK(out.positions() == points.positions());
 }
+
+TEST_CASE("in a tile of one velocity each voxel has the rate of its place") {
+    const auto grid = VectorGrid::create();
+    grid->setName("velocity");
+    grid->tree().addTile(1, Coord(0), openvdb::Vec3s(1, 0, 0), true);
+    Volume volume;
+    volume.grids.emplace_back(grid);
+    const auto out = openvdb::gridConstPtrCast<VectorGrid>(paced(volume, rate).find("velocity"));
+    for (const int x : {0, 3, 7})
+        CHECK(out->tree().getValue(Coord(x, 1, 2)) == openvdb::Vec3s(1.0F + float(x), 0, 0));
+}
