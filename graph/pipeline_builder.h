@@ -263,7 +263,7 @@ private:
             if (!spec.optional)
                 add(problems_, draft.node.mark,
                     fmt::format("{} needs its input '{}' ({})", draft.node.type->name, spec.name,
-                                registry_.accepted_names(spec.type)));
+                                registry_.accepted_names(*draft.node.type, spec)));
             return;
         }
         const auto take = [&](const Value& value, const std::string& name) {
@@ -342,8 +342,8 @@ private:
         if (!registry_.accepts(spec.type, output.type)) {
             add(problems_, reference.mark,
                 fmt::format("{} input '{}' takes {}, but {}.{} is {}", draft.node.type->name,
-                            spec.name, registry_.accepted_names(spec.type), from.name, output.name,
-                            registry_.payload(output.type).name),
+                            spec.name, registry_.accepted_names(*draft.node.type, spec), from.name,
+                            output.name, registry_.payload(output.type).name),
                 from.mark, fmt::format("'{}' ({}) is defined here", from.name, from.type->name));
             return std::nullopt;
         }

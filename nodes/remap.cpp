@@ -96,6 +96,10 @@ protected:
                 fmt::format("'{}' has no effect on seams of frames (`axis: t`), which move "
                             "nothing within a frame: leave it out",
                             idle));
+        if (ahead.once())
+            ahead.fault(
+                "has a source that is the same in all frames, so that none of them can leave or be "
+                "repeated: leave this node out");
         if (ahead.told("seams").size() > 1)
             ahead.fault(
                 "takes seams of frames (`axis: t`) alone: carve them by a node of their own, and "
@@ -323,7 +327,8 @@ NodeType remap_mesh() {
                            "the space around them; faces, UVs and everything else stay.")
             .input("source", &Ports::source,
                    "The mesh. A mesh that is the same in all frames becomes one per frame, since "
-                   "seams move (see `static`). Where a seam is removed, the mesh is compressed; "
+                   "seams move (see `static`); seams of frames can't carve it. Where a seam is "
+                   "removed, the mesh is compressed; "
                    "where one is inserted, it is stretched. Normals of the file stay as they are.")
             .input("lattice", &Ports::lattice, "The lattice in which the seams were found.")
             .input(

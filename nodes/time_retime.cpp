@@ -8,6 +8,7 @@
 #include "carve/time/mesh_between.h"
 #include "carve/time/motions.h"
 #include "carve/time/pace.h"
+#include "carve/time/paced.h"
 #include "carve/time/points_between.h"
 #include "carve/time/scale_search.h"
 #include "carve/time/sequence.h"
@@ -142,8 +143,8 @@ NodeType time_retime() {
                                    "The grids, or one grid; points; a mesh.")
                             .input("velocity", &Retime::Ports::velocity,
                                    "Velocity, staggered or not. It says where things move, and is "
-                                   "itself scaled by the "
-                                   "speed. Left out, motion is found by what is seen alone."))
+                                   "itself scaled by the speed. Left out, motion is found by what "
+                                   "is seen alone."))
         .param(
             "scale", &Params::scale, Unit::none, any_number(),
             "How far a velocity of 1 moves from one frame to the next, world units: 1/24 for world "
@@ -155,8 +156,7 @@ NodeType time_retime() {
             "The same grids. Frames of the source stay bit for bit, but for a velocity whose time "
             "goes faster or slower. Sums of floats between frames lie between theirs; level sets "
             "are means of distances; points go as in time.retime_points; whole numbers and masks "
-            "are "
-            "those of the nearer frame.")
+            "are those of the nearer frame.")
         .kind<Points>("source", "time.retime_points")
         .kind<Mesh>("source", "time.retime_mesh")
         .names_as("volume", "source")
@@ -208,11 +208,8 @@ public:
                 points_between(*io.points, *source_.at(moment.place + 1), moment.share, motion));
         }
         if (motion_.velocity.empty() || moment.rate == 1) return;
-        auto velocities = vectors_of(*io.points, motion_.velocity);
-        for (auto& velocity : velocities) velocity *= moment.rate;
-        if (!velocities.empty())
-            io.points =
-                std::make_shared<Points>(with_vectors(*io.points, motion_.velocity, velocities));
+        io.points = std::make_shared<Points>(
+            paced(*io.points, [&](const openvdb::Vec3d&) { return moment.rate; }));
     }
 
 private:

@@ -3,6 +3,7 @@
 #include "carve/points/point_vectors.h"
 #include "carve/stream/openvdb_types.h"
 #include "carve/time/advect.h"
+#include "carve/time/paced.h"
 #include "carve/time/points_between.h"
 #include "carve/volume/grid_types.h"
 
@@ -323,10 +324,6 @@ Volume mixed(const Volume& a, const Volume& b, const ShareAt& share, const Volum
     return out;
 }
 
-}  // namespace
-
-namespace {
-
 /// volume_between(). @param alike  whether all places show one moment
 Volume between(const Volume& a, const Volume& b, const ShareAt& share, const Volume& nearer,
                const VectorGrid* motion, Transport transport, bool alike) {
@@ -370,12 +367,8 @@ Volume scaled(const Volume& volume, const std::string& name, double by) {
             multiply(*copy, by);
             grid = copy;
         } else if (is_point_grid(grid.header())) {
-            const auto points = points_in(grid);
-            const auto attribute = velocity_name(points);
-            auto velocities = vectors_of(points, attribute);
-            for (auto& velocity : velocities) velocity *= by;
-            if (!velocities.empty())
-                grid = grid.holding(with_vectors(points, attribute, velocities).grid);
+            grid = grid.holding(
+                paced(points_in(grid), [&](const openvdb::Vec3d&) { return by; }).grid);
         }
     return out;
 }

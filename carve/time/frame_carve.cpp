@@ -18,7 +18,7 @@ namespace {
 bool shows_no_motion(const Sequence& source) {
     if (source.box().empty()) return false;
     for (std::size_t place = 0; place + 1 < source.size(); ++place)
-        if (moving_in(source.at(place), source.at(place + 1))) return false;
+        if (shown_in(source.at(place).volume, source.at(place + 1).volume)) return false;
     return source.size() > 1;
 }
 
@@ -42,18 +42,16 @@ void FrameCarve::add(const Volume& source, const Ref<Lattice>& lattice, int numb
 void FrameCarve::add(const Ref<Points>& source, const Ref<Lattice>& lattice, int number,
                      const Limits& limits) {
     require_still(lattice);
-    if (!points_) points_.emplace(limits);
-    points_->add(source);
+    points_.add(source, number, limits);
     numbers_.push_back(number);
 }
 
 void FrameCarve::add(const Ref<Mesh>& source, const Ref<Lattice>& lattice, int number,
                      const Limits& limits) {
     require_still(lattice);
-    if (!meshes_) meshes_.emplace(limits);
-    else if (!faces_change_)
-        faces_change_ = !same_faces(*meshes_->at(numbers_.size() - 1), *source);
-    meshes_->add(source);
+    if (meshes_.size() > 0 && !faces_change_)
+        faces_change_ = !same_faces(*meshes_.at(meshes_.size() - 1), *source);
+    meshes_.add(source, number, limits);
     numbers_.push_back(number);
 }
 
@@ -83,18 +81,20 @@ int FrameCarve::place_of(int number) const {
 
 Volume FrameCarve::volume(int number, bool pace) const {
     const int n = place_of(number);
-    const auto out = map_->frame(frames_of(source_, *motions_), n);
-    return pace ? paced(out, map_->rate(n)) : out;
+    auto out = map_->frame(frames_of(source_, *motions_), n);
+    const auto rate = pace ? map_->rate(n) : nullptr;
+    return rate ? paced(out, rate) : out;
 }
 
 Points FrameCarve::points(int number, bool pace) const {
     const int n = place_of(number);
-    const auto out = map_->frame(frames_of(*points_), n);
-    return pace ? paced(out, map_->rate(n)) : out;
+    auto out = map_->frame(frames_of(points_), n);
+    const auto rate = pace ? map_->rate(n) : nullptr;
+    return rate ? paced(out, rate) : out;
 }
 
 Mesh FrameCarve::mesh(int number) const {
-    return map_->frame(frames_of(*meshes_), place_of(number));
+    return map_->frame(frames_of(meshes_), place_of(number));
 }
 
 }  // namespace fluidcarve

@@ -51,8 +51,8 @@ private:
     int place_of(int number) const;
 
     Sequence source_;
-    std::optional<FrameList<Points>> points_;
-    std::optional<FrameList<Mesh>> meshes_;
+    NumberedFrames<Points> points_;
+    NumberedFrames<Mesh> meshes_;
     bool faces_change_ = false;
     Ref<Lattice> lattice_;
     std::vector<int> numbers_, left_;

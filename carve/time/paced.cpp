@@ -12,13 +12,12 @@
 namespace fluidcarve {
 namespace {
 
-/// Multiplies the active values. The grid itself if it is of another type.
+/// Multiplies the active values.
 template <class GridT>
 openvdb::GridBase::ConstPtr multiplied(const openvdb::GridBase::ConstPtr& base,
                                        const ShareAt& rate) {
     using Value = typename GridT::ValueType;
     const auto grid = openvdb::gridConstPtrCast<GridT>(base);
-    if (!grid) return base;
     const auto out = grid->deepCopy();
     // A tile has one value, but the rate differs within it.
     out->tree().voxelizeActiveTiles();

@@ -8,7 +8,7 @@ namespace fluidcarve {
 
 /// Multiplies all velocities by how fast time goes where they are: grids of vectors, also those in
 /// three parts (Triplet), and those of points (velocity_name).
-/// @param rate  frames of the source per frame at a world position; 1: bit for bit
+/// @param rate  frames of the source per frame at a world position
 Volume paced(const Volume& volume, const ShareAt& rate);
 /// The same of points.
 Points paced(const Points& points, const ShareAt& rate);

@@ -214,8 +214,7 @@ double TimeMap::at(const Moments& moments, const openvdb::Vec3d& world) const {
 
 ShareAt TimeMap::rate(int n) const {
     const int before = std::max(n - 1, 0), after = std::min(n + 1, frames_ - 1);
-    if (before == after || !join_.moved || join_.fade == 1)
-        return [](const openvdb::Vec3d&) { return 1.0; };
+    if (before == after || !join_.moved || join_.fade == 1) return nullptr;
     return [this, from = moments(before), to = moments(after), frames = after - before](
                const openvdb::Vec3d& world) { return (at(to, world) - at(from, world)) / frames; };
 }
@@ -302,7 +301,7 @@ FrameSource<Volume> frames_of(const Sequence& sequence, const Motions& motions) 
             }};
 }
 
-FrameSource<Points> frames_of(const FrameList<Points>& list) {
+FrameSource<Points> frames_of(const NumberedFrames<Points>& list) {
     return {[&](std::size_t place) { return *list.at(place); },
             [](const Points& a, const Points& b, std::size_t, const ShareAt& share, bool second) {
                 const auto name = velocity_name(a);
@@ -315,7 +314,7 @@ FrameSource<Points> frames_of(const FrameList<Points>& list) {
             }};
 }
 
-FrameSource<Mesh> frames_of(const FrameList<Mesh>& list) {
+FrameSource<Mesh> frames_of(const NumberedFrames<Mesh>& list) {
     return {[&](std::size_t place) { return *list.at(place); },
             [](const Mesh& a, const Mesh& b, std::size_t, const ShareAt& share, bool second) {
                 return mesh_between(a, b, share, second ? b : a);

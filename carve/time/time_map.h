@@ -39,9 +39,9 @@ struct FrameSource {
 /// @param sequence, motions  must outlive what is returned
 FrameSource<Volume> frames_of(const Sequence& sequence, const Motions& motions);
 /// The same of points, which go along their velocities.
-FrameSource<Points> frames_of(const FrameList<Points>& list);
+FrameSource<Points> frames_of(const NumberedFrames<Points>& list);
 /// The same of meshes, whose vertices go straight.
-FrameSource<Mesh> frames_of(const FrameList<Mesh>& list);
+FrameSource<Mesh> frames_of(const NumberedFrames<Mesh>& list);
 
 /// How seams of frames are carved from a sequence (METHOD 12 "Seams of frames"): of each place,
 /// frames leave or are shown twice, each at its own moment. The lattice stands still. What lies
@@ -63,8 +63,8 @@ public:
     template <class T>
     T frame(const FrameSource<T>& source, int n) const;
     /// How fast time goes in a frame of the result: frames of the source per frame, by world
-    /// position. 1 where places go over at once, or are blended: each side then moves at its own
-    /// speed. Must not outlive this.
+    /// position. Null: as before everywhere, since places go over at once, or are blended, so that
+    /// each side moves at its own speed. Must not outlive this.
     ShareAt rate(int n) const;
 
 private:

@@ -57,6 +57,10 @@ void Registry::add(NodeType type) {
     for (const auto& [output, input] : type.as_named)
         if (!type.input(input))
             refuse(fmt::format("it has no input '{}' whose grids '{}' could have", input, output));
+    for (const auto& kind : type.kinds)
+        if (!type.input(kind.input))
+            refuse(
+                fmt::format("it has no input '{}' that could ask for {}", kind.input, kind.type));
     if (!nodes_.emplace(type.name, type).second) refuse("the name is taken");
 }
 
@@ -117,10 +121,20 @@ Payload Registry::convert(const Payload& payload, std::type_index to) const {
     return conversion(payload.type(), to)->convert(payload);
 }
 
-std::string Registry::accepted_names(std::type_index to) const {
-    std::vector<std::string> all{payload(to).name};
+std::vector<std::string> Registry::names_into(std::type_index to) const {
+    std::vector<std::string> out{payload(to).name};
     for (const auto& known : conversions_)
-        if (known.to == to) all.push_back(payload(known.from).name);
+        if (known.to == to) out.push_back(payload(known.from).name);
+    return out;
+}
+
+std::string Registry::accepted_names(std::type_index to) const { return either(names_into(to)); }
+
+std::string Registry::accepted_names(const NodeType& type, const InputSpec& input) const {
+    auto all = names_into(input.type);
+    for (const auto& kind : type.kinds)
+        if (kind.input == input.name && !accepts(input.type, kind.payload))
+            all.push_back(payload(kind.payload).name);
     return either(all);
 }
 

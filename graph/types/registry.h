@@ -38,8 +38,11 @@ public:
     const Selection* selection(std::type_index from, std::type_index to) const;
     /// Names of all payload types that an input of the type takes: "volume, float or vector".
     std::string accepted_names(std::type_index to) const;
+    /// The same of an input of a node type, with what its kinds take (Declare::kind).
+    std::string accepted_names(const NodeType& type, const InputSpec& input) const;
 
 private:
+    std::vector<std::string> names_into(std::type_index to) const;
     const Conversion* conversion(std::type_index from, std::type_index to) const;
     std::map<std::string, NodeType, std::less<>> nodes_;
     std::vector<PayloadType> payloads_;

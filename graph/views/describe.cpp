@@ -67,8 +67,8 @@ std::string value_text(const ParamSpec& spec) {
         "; ");
 }
 
-std::string takes_text(const Registry& registry, const InputSpec& input) {
-    const auto names = registry.accepted_names(input.type) + (input.optional ? "; optional" : "");
+std::string takes_text(const Registry& registry, const NodeType& type, const InputSpec& input) {
+    const auto names = registry.accepted_names(type, input) + (input.optional ? "; optional" : "");
     switch (input.arity) {
         case InputSpec::Arity::one: return names;
         case InputSpec::Arity::list: return "one or a list, each " + names;
@@ -145,7 +145,7 @@ std::string example(const Registry& registry, const NodeType& type, std::size_t 
                           : input.arity == InputSpec::Arity::named ? "{a: a, b: b}"
                                                                    : input.name;
         lines.emplace_back(input.name + ": " + node,
-                           "node or node.output: " + registry.accepted_names(input.type));
+                           "node or node.output: " + registry.accepted_names(type, input));
     }
     for (const auto& param : type.params)
         if (param.required)
@@ -262,7 +262,8 @@ std::string describe(const Registry& registry, const NodeType& type) {
         out += wrapped(name + ": " + value, 2) + wrapped(doc, 6);
     };
     if (!type.inputs.empty()) out += "\ninputs\n";
-    for (const auto& input : type.inputs) field(input.name, takes_text(registry, input), input.doc);
+    for (const auto& input : type.inputs)
+        field(input.name, takes_text(registry, type, input), input.doc);
     if (!type.params.empty()) out += "\nparameters\n";
     for (const auto& param : type.params) field(param.name, value_text(param), param.doc);
     if (!type.outputs.empty() || !type.outputs_param.empty()) out += "\noutputs\n";
@@ -278,7 +279,7 @@ std::string to_markdown(const Registry& registry, const NodeType& type) {
     if (!type.inputs.empty()) {
         out += "\n" + row({"input", "takes", ""}) + rule(3);
         for (const auto& input : type.inputs)
-            out += row({"`" + input.name + "`", takes_text(registry, input), input.doc});
+            out += row({"`" + input.name + "`", takes_text(registry, type, input), input.doc});
     }
     if (!type.params.empty()) {
         out += "\n" + row({"parameter", "value", "unit", "default", ""}) + rule(5);

@@ -101,7 +101,7 @@ std::string description_of(const ParamSpec& spec) {
     return out;
 }
 
-Json field_of(const InputSpec& input, const Registry& registry) {
+Json field_of(const InputSpec& input, const NodeType& type, const Registry& registry) {
     Json out;
     if (input.arity == InputSpec::Arity::list)
         out = any_of({defined("port"),
@@ -112,7 +112,7 @@ Json field_of(const InputSpec& input, const Registry& registry) {
         out = {{"allOf",
                 Json::array({defined("port")})}};  // draft 7 ignores a description beside a $ref
     out["description"] =
-        fmt::format("{} Takes {}.", input.doc, registry.accepted_names(input.type));
+        fmt::format("{} Takes {}.", input.doc, registry.accepted_names(type, input));
     return out;
 }
 
@@ -137,7 +137,7 @@ std::vector<std::string> plain_fields() {
 /// Schema of the fields that a node of the type may have.
 Json fields_of(const NodeType& type, const Registry& registry) {
     Json properties{{"type", {{"const", type.name}, {"description", type.doc}}}};
-    for (const auto& input : type.inputs) properties[input.name] = field_of(input, registry);
+    for (const auto& input : type.inputs) properties[input.name] = field_of(input, type, registry);
     for (const auto& param : type.params) {
         auto& property = properties[param.name] = value_of(param.shape, param.range);
         property["description"] = description_of(param);

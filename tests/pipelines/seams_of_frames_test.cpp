@@ -226,6 +226,13 @@ TEST_CASE("what can't take seams of frames, and what they can't do, is told befo
                Catch::Contains("'conserve' has no effect on seams of frames"));
     CHECK_THAT(said("1-6", "count: -1", ", join: cut, transform_vectors: true"),
                Catch::Contains("'transform_vectors' has no effect on frames that go over at once"));
+    scratch.write("still.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    CHECK_THAT(said("1-6", "count: -1", "",
+                    fmt::format("  still: {{type: mesh.read, path: {}}}\n"
+                                "  less: {{type: remap.mesh, source: still, lattice: box, seams: "
+                                "seams}}\n",
+                                scratch / "still.obj")),
+               Catch::Contains("remap.mesh has a source that is the same in all frames"));
     CHECK_THAT(said("1-3,5-6", "count: -1"),
                Catch::Contains("all frames are needed, but between 3 and 5 some are left out"));
     CHECK_THAT(said("1-6", "count: -1", ", soft_time: 2"),

@@ -311,7 +311,7 @@ TEST_CASE("time goes faster where a frame leaves, slower where one comes in, els
         CHECK(sum == Approx(2 * frame_count - 4));
         CHECK(map.rate(0)(at) == 1);
         for (const auto& join : {TimeJoin{}, TimeJoin{2, false}, TimeJoin{1, true}})
-            CHECK(TimeMap(set, voxels(), 1, join).rate(3)(at) == 1);
+            CHECK(!TimeMap(set, voxels(), 1, join).rate(3));
     }
     CHECK(TimeMap(empty_set(Seams::Kind::remove), voxels(), 0, {2, true}).rate(2)(at) == 1);
 }

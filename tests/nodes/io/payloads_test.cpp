@@ -1,5 +1,6 @@
 #include "carve/volume/volume.h"
 #include "graph/types/registry.h"
+#include "nodes/catalogue.h"
 #include "nodes/payload/add_payloads.h"
 
 #include <catch2/catch.hpp>
@@ -61,4 +62,19 @@ TEST_CASE("a volume finds its grids by name, the first of equal ones") {
     CHECK(volume.find("heat") == volume.grids[1]);
     CHECK(volume.find("velocity") == nullptr);
     CHECK(volume.names() == "density, heat, density");
+}
+
+TEST_CASE("an input says what the kinds of its type take, and each kind takes that") {
+    const auto registry = builtin_registry();
+    const auto& loop = *registry.node("time.loop");
+    CHECK(registry.accepted_names(loop, *loop.input("source")) ==
+          "volume, float, vector, mask, grid, points or mesh");
+    CHECK(registry.accepted_names(loop, *loop.input("velocity")) == "vector");
+    for (const auto& [name, type] : registry.nodes())
+        for (const auto& kind : type.kinds) {
+            INFO(name << " as " << kind.type);
+            REQUIRE(registry.node(kind.type));
+            REQUIRE(registry.node(kind.type)->input(kind.input));
+            CHECK(registry.node(kind.type)->input(kind.input)->type == kind.payload);
+        }
 }
