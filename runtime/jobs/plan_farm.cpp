@@ -93,7 +93,7 @@ std::string name_of(const FarmJob& job, const FarmCommand& command,
     hash.text(job.folder);
     for (const auto& [variable, value] : command.environment) hash.text(variable).text(value);
     for (const auto& word : command.pipeline) hash.text(word);
-    for (const auto& step : steps) hash.text(step.wish.to).text(FrameSet(step.frames).text());
+    for (const auto& step : steps) hash.text(step.target.to).text(FrameSet(step.frames).text());
     constexpr std::size_t digits = 6;
     auto stem = shot_of(job.pipeline);
     std::ranges::replace_if(
@@ -108,20 +108,14 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
                                  const FarmCommand& command) {
     Report report(pipeline);
     // Without the work folder no input is hashed: the steps are the same, whatever is in it.
-    auto options = request.options;
-    options.cache = false;
-    const Preparation prepared(pipeline, registry, options, request.wish, request.deliver, report);
+    auto uncached = request;
+    uncached.options.cache = false;
+    const Preparation prepared(pipeline, registry, uncached, report);
     if (!request.quiet)
         for (const auto& warning : report.warnings()) tell("warning: " + warning);
-    for (const auto* faults : {&prepared.inputs().missing, &prepared.inputs().clashes})
-        for (const auto& fault : *faults) tell("failed: " + to_text(fault));
-    if (!prepared.inputs().missing.empty() || !prepared.inputs().clashes.empty())
-        return std::nullopt;
-    if (prepared.frames().empty())
-        return tell(
-                   "failed: no frame is left: every frame lacks a file of a reader with `missing: "
-                   "skip`"),
-               std::nullopt;
+    const auto faults = prepared.input_faults(false);
+    for (const auto& fault : faults) tell("failed: " + to_text(fault));
+    if (!faults.empty()) return std::nullopt;
 
     const History history(request.options.work_folder, pipeline.name);
     const auto steps = steps_of(pipeline, registry, prepared, history, request.options);
@@ -153,7 +147,7 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
         added.arguments.insert(added.arguments.end(), command.options.begin(),
                                command.options.end());
         added.arguments.insert(added.arguments.end(),
-                               {step.wish.only ? "--only" : "--to", step.wish.to, "--task",
+                               {step.target.only ? "--only" : "--to", step.target.to, "--task",
                                 out.name + "/" + step.name});
         const auto whole = step.cost(step.frames.size());
         kept += whole.disk;

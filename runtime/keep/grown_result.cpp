@@ -53,22 +53,22 @@ bool takes_fewer(const Node& node) {
                ParamTraits<bool>::text(true);
 }
 
-void cut(const Node& node, const GrownResult& all, Payload& result, Said& said) {
+void cut(const Node& node, const GrownResult& all, Payload& result, NodeLog& log) {
     if (all.fits(node)) return;
     const auto& growth = *node.type->growth;
-    auto entry = grown_entry(said);
+    auto entry = grown_entry(log);
     const auto about_all = growth.warnings ? growth.warnings(entry) : std::vector<std::string>();
     result = growth.first(result, wanted_by(node, all.extent), entry);
-    if (!said.report.empty()) said.report.begin()->second = entry;
-    std::erase_if(said.warnings, [&](const std::string& each) {
+    if (!log.report.empty()) log.report.begin()->second = entry;
+    std::erase_if(log.warnings, [&](const std::string& each) {
         return std::find(about_all.begin(), about_all.end(), each) != about_all.end();
     });
     if (growth.warnings)
-        for (auto& warning : growth.warnings(entry)) said.warnings.push_back(std::move(warning));
+        for (auto& warning : growth.warnings(entry)) log.warnings.push_back(std::move(warning));
 }
 
-Json grown_entry(const Said& said) {
-    return said.report.empty() ? Json::object() : said.report.begin()->second;
+Json grown_entry(const NodeLog& log) {
+    return log.report.empty() ? Json::object() : log.report.begin()->second;
 }
 
 }  // namespace fluidcarve

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "graph/pipeline.h"
-#include "runtime/keep/said.h"
+#include "runtime/keep/node_log.h"
 
 #include <nlohmann/json.hpp>
 
@@ -37,10 +37,10 @@ bool takes_fewer(const Node& node);
 
 /// Cuts a growing result, its report entry and its warnings to what the node wants.
 /// @param all  how much the result holds; enough
-void cut(const Node& node, const GrownResult& all, Payload& result, Said& said);
+void cut(const Node& node, const GrownResult& all, Payload& result, NodeLog& log);
 
 /// The report entry of a growing result, with which its node goes on; an empty object if there is
 /// none. Such a node reports to one section at most.
-nlohmann::ordered_json grown_entry(const Said& said);
+nlohmann::ordered_json grown_entry(const NodeLog& log);
 
 }  // namespace fluidcarve

@@ -359,10 +359,10 @@ std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Sha
     std::vector<std::string> out(count);
     for (std::size_t n = 0; n < count; ++n) {
         const auto& node = pipeline.nodes[n];
-        if (shares[n].runs == 0 && shares[n].taken_anew == 0) continue;
+        if (shares[n].runs == 0 && shares[n].consumed_inputs == 0) continue;
         std::vector<std::string> users;
         for (const auto user : readers[n])
-            if (shares[user].runs > 0 || shares[user].taken_anew > 0)
+            if (shares[user].runs > 0 || shares[user].consumed_inputs > 0)
                 users.push_back(pipeline.nodes[user].name);
         std::vector<std::string> causes;
         if (!fresh[n] && !upstream.none(n)) causes.push_back("changed: " + upstream.text(n));

@@ -16,7 +16,7 @@ namespace fluidcarve {
 /// nodes. Equal keys mean equal results. Thread-safe.
 class Keys {
 public:
-    /// @param wants  whether a gatherer takes the frame at a place (an index in the sequence)
+    /// @param wants  whether a gathering node takes the frame at a place (an index in the sequence)
     Keys(const Pipeline& pipeline, const Dependencies& dependencies,
          std::function<bool(std::size_t node, std::size_t place)> wants);
 
@@ -26,9 +26,9 @@ public:
     /// Key of the cache entry with that result. Differs from `result` only for growing results: one
     /// entry serves all counts.
     Key kept(std::size_t node, std::size_t place);
-    /// Key of a gatherer's digest of a frame; without a digest, of its inputs in that frame.
+    /// Key of a gathering node's digest of a frame; without a digest, of its inputs in that frame.
     Key taken(std::size_t node, std::size_t place);
-    /// Key of a gatherer's state after its last frame.
+    /// Key of a gathering node's state after its last frame.
     Key gathered(std::size_t node);
 
 private:

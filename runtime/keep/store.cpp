@@ -74,27 +74,27 @@ std::optional<Store::Whole> Store::whole(std::size_t n, std::size_t place) {
     const auto& node = pipeline_.nodes[n];
     auto entry = cache_.load(key(n, place));
     if (!entry || entry->outputs.size() != node.outputs.size()) return std::nullopt;
-    Whole out{std::move(entry->outputs), said_in(entry->header)};
+    Whole out{std::move(entry->outputs), log_in(entry->header)};
     if (!node.type->growth) return out;
     const auto grown = GrownResult::in(entry->header);
     if (!grown || !grown->enough_for(node)) return std::nullopt;
-    cut(node, *grown, out.outputs.at(0), out.said);
+    cut(node, *grown, out.outputs.at(0), out.log);
     return out;
 }
 
-Said Store::said(std::size_t n, std::size_t place) {
+NodeLog Store::log(std::size_t n, std::size_t place) {
     const auto& node = pipeline_.nodes[n];
     const auto header = cache_.look(key(n, place));
     if (!header) return {};
     const auto grown = node.type->growth ? GrownResult::in(*header) : std::nullopt;
-    if (!grown || grown->fits(node)) return said_in(*header);
+    if (!grown || grown->fits(node)) return log_in(*header);
     auto found = whole(n, place);
-    return found ? std::move(found->said) : Said{};
+    return found ? std::move(found->log) : NodeLog{};
 }
 
-Said Store::said_of_digest(std::size_t n, std::size_t place) const {
+NodeLog Store::log_of_digest(std::size_t n, std::size_t place) const {
     const auto header = cache_.look(keys_.taken(n, place));
-    return header ? said_in(*header) : Said{};
+    return header ? log_in(*header) : NodeLog{};
 }
 
 std::optional<std::vector<Payload>> Store::result(std::size_t n, std::size_t place) {
@@ -113,30 +113,30 @@ std::optional<Payload> Store::digest(std::size_t n, std::size_t place) {
 std::optional<std::pair<Payload, Json>> Store::part(std::size_t n) {
     auto entry = cache_.load(key(n, 0));
     if (!entry || entry->outputs.size() != 1 || !entry->outputs.front()) return std::nullopt;
-    return std::pair(std::move(entry->outputs.front()), grown_entry(said_in(entry->header)));
+    return std::pair(std::move(entry->outputs.front()), grown_entry(log_in(entry->header)));
 }
 
-Json Store::header_of(const Said& said) const {
-    auto out = to_json(said);
+Json Store::header_of(const NodeLog& log) const {
+    auto out = to_json(log);
     out["shot"] = shot_of(pipeline_.name);
     return out;
 }
 
 void Store::keep(std::size_t n, std::size_t place, const std::vector<Payload>& outputs,
-                 const Said& said) {
+                 const NodeLog& log) {
     const auto& node = pipeline_.nodes[n];
-    if (node.kept && pipeline_.writes(n)) return keep_files(n, place, said);
+    if (node.kept && pipeline_.writes(n)) return keep_files(n, place, log);
     if (node.kept && !outputs.empty()) {
-        if (node.type->growth) return keep_grown(n, place, outputs.at(0), said, false);
-        cache_.store(key(n, place), header_of(said), outputs);
+        if (node.type->growth) return keep_grown(n, place, outputs.at(0), log, false);
+        cache_.store(key(n, place), header_of(log), outputs);
         return;
     }
-    if (said.empty()) return;
+    if (log.empty()) return;
     const auto there = cache_.look(key(n, place));
-    if (!there || !there->contains("outputs")) cache_.store(key(n, place), header_of(said), {});
+    if (!there || !there->contains("outputs")) cache_.store(key(n, place), header_of(log), {});
 }
 
-void Store::keep_files(std::size_t n, std::size_t place, const Said& said) {
+void Store::keep_files(std::size_t n, std::size_t place, const NodeLog& log) {
     if (!cache_.on()) return;
     Json now = Json::array();
     for (const auto& path : outputs(n, place)) {
@@ -145,7 +145,7 @@ void Store::keep_files(std::size_t n, std::size_t place, const Said& said) {
         if (!content || content->number != OutputFile::number_at(path)) return;
         now.push_back(content->key.text());
     }
-    auto header = header_of(said);
+    auto header = header_of(log);
     header["files"] = Json::array({now});
     // The same result may have been written to several paths, with different bytes: some writers
     // put a unique id into each file.
@@ -156,22 +156,22 @@ void Store::keep_files(std::size_t n, std::size_t place, const Said& said) {
     cache_.store(key(n, place), std::move(header), {});
 }
 
-void Store::keep_digest(std::size_t n, std::size_t place, const Payload& digest, const Said& said) {
+void Store::keep_digest(std::size_t n, std::size_t place, const Payload& digest, const NodeLog& log) {
     if (pipeline_.nodes[n].digests_kept && digest)
-        cache_.store(keys_.taken(n, place), header_of(said), {digest});
+        cache_.store(keys_.taken(n, place), header_of(log), {digest});
 }
 
-void Store::keep_grown(std::size_t n, std::size_t place, const Payload& result, const Said& said,
+void Store::keep_grown(std::size_t n, std::size_t place, const Payload& result, const NodeLog& log,
                        bool part) {
     if (!cache_.on() || !result) return;
     const auto& growth = *pipeline_.nodes[n].type->growth;
-    const bool exhausted = growth.exhausted && growth.exhausted(grown_entry(said));
+    const bool exhausted = growth.exhausted && growth.exhausted(grown_entry(log));
     const GrownResult grown{growth.extent(result),
                             cache_.registry().payload(result.type()).bytes(result), part,
                             exhausted};
     if (const auto there = cache_.look(key(n, place)))
         if (const auto kept = GrownResult::in(*there); kept && kept->holds(grown)) return;
-    auto header = header_of(said);
+    auto header = header_of(log);
     grown.describe(header);
     cache_.store(key(n, place), std::move(header), {result});
 }

@@ -6,7 +6,7 @@
 #include "runtime/keep/file_hashes.h"
 #include "runtime/keep/grown_result.h"
 #include "runtime/keep/keys.h"
-#include "runtime/keep/said.h"
+#include "runtime/keep/node_log.h"
 
 #include <optional>
 #include <string>
@@ -38,8 +38,8 @@ public:
     /// How much of a growing result is kept; nothing: none of it is.
     std::optional<GrownResult> grown(std::size_t node);
     /// Warnings and report entries from the computation of a cached result.
-    Said said(std::size_t node, std::size_t place);
-    Said said_of_digest(std::size_t node, std::size_t place) const;
+    NodeLog log(std::size_t node, std::size_t place);
+    NodeLog log_of_digest(std::size_t node, std::size_t place) const;
 
     /// Cached outputs; nothing if they are missing or damaged.
     std::optional<std::vector<Payload>> result(std::size_t node, std::size_t place);
@@ -47,13 +47,13 @@ public:
     /// The cached part of a growing result, though too small, and its report entry.
     std::optional<std::pair<Payload, nlohmann::ordered_json>> part(std::size_t node);
 
-    /// Caches the outputs of a body if the node is cached, and what it said.
+    /// Caches the outputs of a body if the node is cached, and its log.
     void keep(std::size_t node, std::size_t place, const std::vector<Payload>& outputs,
-              const Said& said);
-    void keep_digest(std::size_t node, std::size_t place, const Payload& digest, const Said& said);
+              const NodeLog& log);
+    void keep_digest(std::size_t node, std::size_t place, const Payload& digest, const NodeLog& log);
     /// Caches a growing result, unless the entry already holds more.
     /// @param part  whether the node is still working on it
-    void keep_grown(std::size_t node, std::size_t place, const Payload& result, const Said& said,
+    void keep_grown(std::size_t node, std::size_t place, const Payload& result, const NodeLog& log,
                     bool part);
 
     /// Paths of the files that a node may read for the frame at a place.
@@ -68,13 +68,13 @@ private:
     Key key(std::size_t node, std::size_t place) { return keys_.kept(node, place); }
     struct Whole {
         std::vector<Payload> outputs;
-        Said said;
+        NodeLog log;
     };
     /// A cached result; a growing one is cut to the wanted count.
     std::optional<Whole> whole(std::size_t node, std::size_t place);
     /// What an entry says of itself.
-    nlohmann::ordered_json header_of(const Said& said) const;
-    void keep_files(std::size_t node, std::size_t place, const Said& said);
+    nlohmann::ordered_json header_of(const NodeLog& log) const;
+    void keep_files(std::size_t node, std::size_t place, const NodeLog& log);
 
     const Pipeline& pipeline_;
     const Dependencies& dependencies_;

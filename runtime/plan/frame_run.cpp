@@ -19,12 +19,12 @@ void Wiring::release(std::size_t node, FrameRun& frame) const {
 Wiring wire(const Pipeline& pipeline, const Pass& pass) {
     Wiring out;
     out.units = pass.per_frame;
-    out.units.insert(out.units.end(), pass.gatherers.begin(), pass.gatherers.end());
+    out.units.insert(out.units.end(), pass.gathering.begin(), pass.gathering.end());
     out.sources.resize(pipeline.nodes.size());
     out.readers.resize(pipeline.nodes.size());
     for (const auto unit : out.units) {
         std::set<std::size_t> distinct;
-        const bool gathers = std::ranges::find(pass.gatherers, unit) != pass.gatherers.end();
+        const bool gathers = std::ranges::find(pass.gathering, unit) != pass.gathering.end();
         // One that retimes delivers by what it took in an earlier pass.
         if (pipeline.nodes[unit].retimes() && !gathers) continue;
         for (const auto& links : pipeline.nodes[unit].inputs)

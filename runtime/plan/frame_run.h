@@ -33,7 +33,7 @@ struct FrameRun {
 
 /// The edges between the nodes of one pass. All numbers are indices of pipeline nodes.
 struct Wiring {
-    std::vector<std::size_t> units;  ///< nodes of the pass: per-frame nodes, then gatherers
+    std::vector<std::size_t> units;  ///< nodes of the pass: per-frame nodes, then gathering ones
     /// Per pipeline node: per-frame nodes that it reads, each once.
     std::vector<std::vector<std::size_t>> sources;
     std::vector<std::vector<std::size_t>> readers;  ///< per pipeline node: units that read it

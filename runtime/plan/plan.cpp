@@ -37,10 +37,10 @@ std::size_t index_of(const Pipeline& pipeline, std::string_view name) {
     return static_cast<std::size_t>(pipeline.find(name) - pipeline.nodes.data());
 }
 
-/// The parsed `to` of a wish.
+/// The parsed `to` of a RunTarget.
 struct Target {
     std::size_t node;
-    bool digests;  ///< NODE.INPUT: only the digests of the gatherer NODE
+    bool digests;  ///< NODE.INPUT: only the digests of the gathering node NODE
 };
 
 std::optional<Target> target_of(const std::string& to, const char* option, const Pipeline& pipeline,
@@ -66,13 +66,13 @@ std::optional<Target> target_of(const std::string& to, const char* option, const
     return std::nullopt;
 }
 
-/// The targets that a wish names.
+/// The nodes that a RunTarget names.
 /// @param fault  set to what is wrong with the first that can't be one
-std::vector<Target> targets_of(const Wish& wish, const Pipeline& pipeline, std::string& fault) {
+std::vector<Target> targets_of(const RunTarget& wanted, const Pipeline& pipeline, std::string& fault) {
     std::vector<Target> out;
-    std::istringstream names(wish.to);
+    std::istringstream names(wanted.to);
     for (std::string name; fault.empty() && std::getline(names, name, ',');)
-        if (const auto target = target_of(name, wish.only ? "--only" : "--to", pipeline, fault))
+        if (const auto target = target_of(name, wanted.only ? "--only" : "--to", pipeline, fault))
             out.push_back(*target);
     return out;
 }
@@ -88,22 +88,22 @@ bool gathers_apart(const Node& node) {
            (node.type->growth || node.type->digest == typeid(void));
 }
 
-std::string fault_of(const Wish& wish, const Pipeline& pipeline) {
+std::string fault_of(const RunTarget& wanted, const Pipeline& pipeline) {
     std::string fault;
-    const auto targets = targets_of(wish, pipeline, fault);
-    if (!fault.empty() || wish.from.empty()) return fault;
-    if (!pipeline.find(wish.from))
-        return fmt::format("--from: there is no node '{}'{}", wish.from,
-                           did_you_mean(wish.from, pipeline.node_names()));
-    const auto after = downstream_of(pipeline, index_of(pipeline, wish.from));
+    const auto targets = targets_of(wanted, pipeline, fault);
+    if (!fault.empty() || wanted.from.empty()) return fault;
+    if (!pipeline.find(wanted.from))
+        return fmt::format("--from: there is no node '{}'{}", wanted.from,
+                           did_you_mean(wanted.from, pipeline.node_names()));
+    const auto after = downstream_of(pipeline, index_of(pipeline, wanted.from));
     for (const auto& target : targets)
         if (!after[target.node])
-            return fmt::format("--from {} --to {}: '{}' does not depend on '{}'", wish.from,
-                               wish.to, pipeline.nodes[target.node].name, wish.from);
+            return fmt::format("--from {} --to {}: '{}' does not depend on '{}'", wanted.from,
+                               wanted.to, pipeline.nodes[target.node].name, wanted.from);
     return {};
 }
 
-Plan make_plan(const Pipeline& pipeline, const Wish& wish) {
+Plan make_plan(const Pipeline& pipeline, const RunTarget& wanted) {
     const auto count = pipeline.nodes.size();
     std::vector<std::size_t> targets = pipeline.leaves();
     Plan out;
@@ -111,16 +111,16 @@ Plan make_plan(const Pipeline& pipeline, const Wish& wish) {
     out.in_sequence.assign(count, false);
     out.gathered_in.assign(count, 0);
     out.digested.assign(count, false);
-    if (!wish.to.empty()) {
+    if (!wanted.to.empty()) {
         std::string fault;
         targets.clear();
-        for (const auto& target : targets_of(wish, pipeline, fault)) {
+        for (const auto& target : targets_of(wanted, pipeline, fault)) {
             targets.push_back(target.node);
             out.digested[target.node] = target.digests;
         }
     }
-    if (!wish.from.empty())
-        std::erase_if(targets, [after = downstream_of(pipeline, index_of(pipeline, wish.from))](
+    if (!wanted.from.empty())
+        std::erase_if(targets, [after = downstream_of(pipeline, index_of(pipeline, wanted.from))](
                                    std::size_t n) { return !after[n]; });
     out.needed = pipeline.upstream_of(targets);
 
@@ -147,9 +147,9 @@ Plan make_plan(const Pipeline& pipeline, const Wish& wish) {
         const auto& node = pipeline.nodes[n];
         if (node.streams_in()) {
             auto& pass = out.passes[out.gathered_in[n]];
-            pass.gatherers.push_back(n);
-            pass.gatherer_needs.emplace_back(count, false);
-            mark_upstream(pipeline, n, pass.gatherer_needs.back());
+            pass.gathering.push_back(n);
+            pass.gathering_needs.emplace_back(count, false);
+            mark_upstream(pipeline, n, pass.gathering_needs.back());
         }
         if (node.rate == Rate::frame) {
             if (out.targets[n]) out.passes[ready[n]].delivers.push_back(n);
@@ -163,7 +163,7 @@ Plan make_plan(const Pipeline& pipeline, const Wish& wish) {
             flags[n] = true;
             if (!pipeline.nodes[n].retimes()) mark_upstream(pipeline, n, flags);
         }
-        for (const auto& needs : pass.gatherer_needs)
+        for (const auto& needs : pass.gathering_needs)
             for (std::size_t n = 0; n < count; ++n)
                 if (needs[n]) flags[n] = out.in_sequence[n] = true;
         for (std::size_t n = 0; n < count; ++n)

@@ -7,7 +7,7 @@ namespace fluidcarve {
 namespace {
 
 using Action = Schedule::Action;
-using Take = Schedule::Take;
+using Consume = Schedule::Consume;
 
 /// Makes a Schedule: starts at the targets and follows inputs that are not cached.
 class Scheduler {
@@ -30,7 +30,7 @@ public:
         earlier_kept_ = true;
         clear_frames();
         for (std::size_t pass = 0; pass < plan_.passes.size(); ++pass) {
-            for (const auto n : plan_.passes[pass].gatherers)
+            for (const auto n : plan_.passes[pass].gathering)
                 if (out_.gathers[n]) work({Visit::take_all, n});
             deliver(pass);
         }
@@ -41,7 +41,7 @@ private:
     void clear_frames() {
         const auto nodes = pipeline_.nodes.size();
         const Schedule::Frame nothing{std::vector(nodes, Action::none),
-                                      std::vector(nodes, Take::none)};
+                                      std::vector(nodes, Consume::none)};
         out_.frames.assign(plan_.passes.size(), std::vector(delivered_.size(), nothing));
     }
 
@@ -52,7 +52,7 @@ private:
             for (const auto n : plan_.passes[pass].delivers)
                 if (known_.delivers(n, place) && !known_.result(n, place))
                     work({Visit::frame, n, place, pass});
-            for (const auto n : plan_.passes[pass].gatherers)
+            for (const auto n : plan_.passes[pass].gathering)
                 if (plan_.digested[n] && known_.wants(n, place)) work({Visit::take, n, place});
         }
     }
@@ -134,10 +134,10 @@ private:
 
     void take(std::size_t n, std::size_t place) {
         const auto pass = plan_.gathered_in[n];
-        auto& how = out_.frames[pass][place].takes[n];
-        if (how != Take::none) return;
-        how = known_.digest(n, place) ? Take::kept : Take::anew;
-        if (how == Take::anew) inputs(n, place, pass);
+        auto& how = out_.frames[pass][place].consumes[n];
+        if (how != Consume::none) return;
+        how = known_.digest(n, place) ? Consume::digest : Consume::inputs;
+        if (how == Consume::inputs) inputs(n, place, pass);
     }
 
     void inputs(std::size_t n, std::size_t place, std::size_t pass) {
@@ -162,13 +162,13 @@ private:
 
 bool Schedule::Frame::computes() const {
     return std::ranges::find(results, Action::run) != results.end() ||
-           std::ranges::find(takes, Take::anew) != takes.end();
+           std::ranges::find(consumes, Consume::inputs) != consumes.end();
 }
 
 bool Schedule::Frame::empty() const {
     return std::all_of(results.begin(), results.end(),
                        [](Action action) { return action == Action::none; }) &&
-           std::all_of(takes.begin(), takes.end(), [](Take take) { return take == Take::none; });
+           std::all_of(consumes.begin(), consumes.end(), [](Consume how) { return how == Consume::none; });
 }
 
 Schedule make_schedule(const Pipeline& pipeline, const Plan& plan,
@@ -186,9 +186,9 @@ std::vector<Calls> calls_of(const Schedule& schedule) {
         for (const auto& frame : pass)
             for (std::size_t n = 0; n < out.size(); ++n) {
                 out[n].runs += frame.results[n] == Action::run ? 1 : 0;
-                out[n].takes += frame.takes[n] == Take::anew ? 1 : 0;
+                out[n].consumed += frame.consumes[n] == Consume::inputs ? 1 : 0;
                 out[n].loads += (frame.results[n] == Action::load ? 1 : 0) +
-                                (frame.takes[n] == Take::kept ? 1 : 0);
+                                (frame.consumes[n] == Consume::digest ? 1 : 0);
             }
     return out;
 }
@@ -198,8 +198,8 @@ NodeFrames frames_of(const Schedule& schedule, std::size_t n) {
     for (const auto& pass : schedule.frames)
         for (std::size_t place = 0; place < pass.size(); ++place) {
             if (pass[place].results[n] == Action::run) out.run.insert(place);
-            if (pass[place].takes[n] == Take::anew) out.taken_anew.insert(place);
-            if (pass[place].takes[n] == Take::kept) out.taken_kept.insert(place);
+            if (pass[place].consumes[n] == Consume::inputs) out.consumed_inputs.insert(place);
+            if (pass[place].consumes[n] == Consume::digest) out.consumed_digests.insert(place);
         }
     return out;
 }
@@ -211,17 +211,17 @@ std::vector<Share> shares(const Pipeline& pipeline, const Plan& plan, const Sche
         const auto& node = pipeline.nodes[n];
         const auto now = frames_of(schedule, n), anew = frames_of(uncached, n);
         auto& share = out[n];
-        share.taken_anew = now.taken_anew.size();
-        share.taken_kept = now.taken_kept.size();
+        share.consumed_inputs = now.consumed_inputs.size();
+        share.consumed_digests = now.consumed_digests.size();
         if (plan.digested[n]) {
-            share.frames = anew.taken_anew.size();
-            share.runs = share.taken_anew;
-            share.only_takes = true;
+            share.frames = anew.consumed_inputs.size();
+            share.runs = share.consumed_inputs;
+            share.only_digests = true;
         } else if (node.rate == Rate::frame) {
             share.frames = anew.run.size();
             share.runs = now.run.size();
         } else if (uncached.once[n] == Action::run) {
-            share.frames = node.streams_in() ? anew.taken_anew.size() : 1;
+            share.frames = node.streams_in() ? anew.consumed_inputs.size() : 1;
             share.runs = schedule.once[n] == Action::run ? share.frames : 0;
         }
     }

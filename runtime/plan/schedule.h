@@ -14,9 +14,9 @@ namespace fluidcarve {
 struct Known {
     /// Whether the result is cached.
     std::function<bool(std::size_t node, std::size_t place)> result;
-    /// Whether a gatherer's digest of the frame is cached.
+    /// Whether a gathering node's digest of the frame is cached.
     std::function<bool(std::size_t node, std::size_t place)> digest;
-    /// Whether a gatherer takes the frame.
+    /// Whether a gathering node takes the frame.
     std::function<bool(std::size_t node, std::size_t place)> wants;
     /// Whether a node that delivers per frame has the frame.
     std::function<bool(std::size_t node, std::size_t place)> delivers;
@@ -32,20 +32,20 @@ struct Schedule {
         run,
         load,  ///< use the cached result of a former run or an earlier pass
     };
-    /// How a gatherer takes a frame.
-    enum class Take : char {
+    /// How a gathering node consumes a frame.
+    enum class Consume : char {
         none,
-        anew,  ///< from its inputs
-        kept,  ///< from a cached digest
+        inputs,  ///< from its inputs
+        digest,  ///< from a cached digest
     };
     /// One frame in one pass. Both vectors are per node.
     struct Frame {
         std::vector<Action> results;  ///< of nodes that deliver per frame
-        std::vector<Take> takes;      ///< of nodes that gather in this pass
+        std::vector<Consume> consumes;      ///< of nodes that gather in this pass
 
         /// Whether the node reads its inputs in this frame.
         bool reads(std::size_t node) const {
-            return results[node] == Action::run || takes[node] == Take::anew;
+            return results[node] == Action::run || consumes[node] == Consume::inputs;
         }
         /// Whether a node computes something, and does not only load what is cached.
         bool computes() const;
@@ -66,7 +66,7 @@ Schedule make_schedule(const Pipeline& pipeline, const Plan& plan,
 struct Calls {
     /// Computed frames; one that two passes need, and that is not kept, counts twice.
     std::size_t runs = 0;
-    std::size_t takes = 0;  ///< for a gatherer: frames taken from its inputs
+    std::size_t consumed = 0;  ///< for a gathering node: frames taken from its inputs
     std::size_t loads = 0;  ///< cached results and digests that are loaded
     bool once = false;      ///< it finishes, or runs once
 };
@@ -76,8 +76,8 @@ std::vector<Calls> calls_of(const Schedule& schedule);
 /// Places of the frames in which a node works, over all passes.
 struct NodeFrames {
     std::set<std::size_t> run;  ///< it computes the frame's result
-    std::set<std::size_t> taken_anew,
-        taken_kept;  ///< it takes the frame from its inputs, or from a cached digest
+    std::set<std::size_t> consumed_inputs,
+        consumed_digests;  ///< it takes the frame from its inputs, or from a cached digest
 };
 NodeFrames frames_of(const Schedule& schedule, std::size_t node);
 
@@ -86,11 +86,11 @@ struct Share {
     std::size_t frames = 0;  ///< frames that the run needs; for a node that runs once: 1, or the
                              ///< frames that it gathers
     std::size_t runs = 0;    ///< frames that the run computes; the others are cached
-    /// Only the digests of a gatherer are wanted; `frames` and `runs` then count these.
-    bool only_takes = false;
-    std::size_t taken_anew = 0,
-                taken_kept =
-                    0;  ///< for a gatherer: frames taken from its inputs, and from cached digests
+    /// Only the digests of a gathering node are wanted; `frames` and `runs` then count these.
+    bool only_digests = false;
+    std::size_t consumed_inputs = 0,
+                consumed_digests =
+                    0;  ///< for a gathering node: frames taken from its inputs, and from cached digests
 };
 
 /// @param uncached  the schedule of the same plan with an empty cache

@@ -34,13 +34,13 @@ std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation
             now.abreast = options.abreast(work == Work::once ? std::nullopt : std::optional(times));
             now.input_bytes = prepared.inputs().frame_bytes;
             if (work == Work::once) {
-                if (calls[n].once) now.gathered = shares[n].taken_anew + shares[n].taken_kept;
+                if (calls[n].once) now.gathered = shares[n].consumed_inputs + shares[n].consumed_digests;
                 now.items = items_to_find(node, prepared.grown(n), cost);
             }
             cost = WorkTime{seconds_in(*cost, now), now};
         };
         adapt(Work::frame, calls[n].runs);
-        adapt(Work::take, calls[n].takes);
+        adapt(Work::take, calls[n].consumed);
         adapt(Work::load, calls[n].loads);
         adapt(Work::once, 1);
         if (const auto then = out[n].bytes_of_input, bytes = prepared.inputs().frame_bytes;
@@ -55,7 +55,7 @@ std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation
 double expected_seconds(const NodeCost& cost, const Calls& calls, bool& known) {
     double out = 0;
     for (const auto& [work, times] :
-         {std::pair(Work::frame, calls.runs), std::pair(Work::take, calls.takes),
+         {std::pair(Work::frame, calls.runs), std::pair(Work::take, calls.consumed),
           std::pair(Work::load, calls.loads),
           std::pair(Work::once, std::size_t{calls.once ? 1U : 0U})}) {
         if (times == 0) continue;

@@ -2,7 +2,7 @@
 
 #include "runtime/keep/history.h"
 #include "runtime/plan/schedule.h"
-#include "runtime/run/options.h"
+#include "runtime/flow/options.h"
 #include "runtime/run/preparation.h"
 #include "runtime/tell/costs.h"
 

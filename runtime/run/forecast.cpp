@@ -26,9 +26,9 @@ std::vector<Forecast::Pass> passes_of(const Pipeline& pipeline, const Plan& plan
         }
         for (const auto n : plan.passes[p].per_frame)
             if (runs[n]) pass.nodes.push_back(pipeline.nodes[n].name);
-        for (const auto n : plan.passes[p].gatherers)
-            if (runs[n] || schedule.gathers[n]) pass.gatherers.push_back(pipeline.nodes[n].name);
-        if (!pass.nodes.empty() || !pass.gatherers.empty()) out.push_back(std::move(pass));
+        for (const auto n : plan.passes[p].gathering)
+            if (runs[n] || schedule.gathers[n]) pass.gathering.push_back(pipeline.nodes[n].name);
+        if (!pass.nodes.empty() || !pass.gathering.empty()) out.push_back(std::move(pass));
     }
     return out;
 }
@@ -66,15 +66,15 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
         const auto& node = pipeline.nodes[n];
         if (share.frames == 0) continue;
         out.lines.push_back({node.name, node.type->name, share.frames, share.frames - share.runs,
-                             why[n], share.taken_anew + share.taken_kept, share.taken_kept,
+                             why[n], share.consumed_inputs + share.consumed_digests, share.consumed_digests,
                              node.type->growth ? node.type->growth->item : ""});
         const auto& cost = out.expected[n];
         bool known = true;
         out.seconds += expected_seconds(cost, calls[n], known);
         if (!known) out.unmeasured.push_back(node.name);
         const NodeWork work{calls[n].once,
-                            node.rate == Rate::frame && !share.only_takes ? share.runs : 0,
-                            share.taken_anew, share.taken_kept};
+                            node.rate == Rate::frame && !share.only_digests ? share.runs : 0,
+                            share.consumed_inputs, share.consumed_digests};
         out.bytes += memory_of(node, cost, work, input_bytes, options);
         out.disk += disk_of(node, cost, work, input_bytes);
     }
@@ -84,14 +84,14 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
 
 std::uint64_t memory_of(const Node& node, const NodeCost& cost, const NodeWork& work,
                         std::uint64_t input_bytes, const RunOptions& options) {
-    if (!work.once && work.runs == 0 && work.taken_anew == 0) return 0;
-    // Outputs per frame exist once per frame in flight. Digests exist until the gatherer finishes,
+    if (!work.once && work.runs == 0 && work.consumed_inputs == 0) return 0;
+    // Outputs per frame exist once per frame in flight. Digests exist until the gathering node finishes,
     // for all frames.
     const auto bytes = cost.bytes > 0 ? cost.bytes : input_bytes;
     const auto in_flight =
-        std::min(static_cast<std::size_t>(options.in_flight), std::max(work.runs, work.taken_anew));
+        std::min(static_cast<std::size_t>(options.in_flight), std::max(work.runs, work.consumed_inputs));
     return work.once && node.type->digest != typeid(void) && node.rate != Rate::frame
-               ? std::min(options.memory, bytes * (work.taken_anew + work.taken_kept))
+               ? std::min(options.memory, bytes * (work.consumed_inputs + work.consumed_digests))
                : bytes * std::max<std::size_t>(1, in_flight);
 }
 
@@ -101,7 +101,7 @@ std::uint64_t disk_of(const Node& node, const NodeCost& cost, const NodeWork& wo
     const auto bytes = cost.bytes > 0 && !writer ? cost.bytes : input_bytes;
     const auto results =
         writer || node.kept ? work.runs + (work.once && node.rate != Rate::frame ? 1 : 0) : 0;
-    return bytes * (results + (digests_apart(node) ? work.taken_anew : 0));
+    return bytes * (results + (digests_apart(node) ? work.consumed_inputs : 0));
 }
 
 std::string table(const std::vector<std::vector<std::string>>& rows) {
@@ -149,7 +149,7 @@ std::string to_text(const Forecast& forecast) {
             "pass {} of {}: {}{}{}{}\n", n + 1, forecast.passes.size(),
             counted(pass.frames, "frame"),
             pass.nodes.empty() ? "" : fmt::format(" through {}", fmt::join(pass.nodes, ", ")),
-            pass.gatherers.empty() ? "" : "; gathers ", fmt::join(pass.gatherers, ", "));
+            pass.gathering.empty() ? "" : "; gathers ", fmt::join(pass.gathering, ", "));
     }
     out += "time: " + time_text(forecast);
     out +=
@@ -172,7 +172,7 @@ Json to_json(const Forecast& forecast) {
     }
     for (const auto& pass : forecast.passes)
         out["passes"].push_back(
-            {{"frames", pass.frames}, {"nodes", pass.nodes}, {"gathers", pass.gatherers}});
+            {{"frames", pass.frames}, {"nodes", pass.nodes}, {"gathers", pass.gathering}});
     return out;
 }
 

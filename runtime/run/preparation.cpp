@@ -43,15 +43,14 @@ std::string folder_of(const RunOptions& options, const char* part) {
 }  // namespace
 
 Preparation::Preparation(const Pipeline& pipeline, const Registry& registry,
-                         const RunOptions& options, const Wish& wish,
-                         const std::optional<FrameSet>& deliver, Report& report, Manifest* manifest)
+                         const RunRequest& request, Report& report, Manifest* manifest)
     : pipeline_(pipeline),
-      plan_(make_plan(pipeline, wish)),
-      guard_(manifest, files_to_read(pipeline, plan_, deliver)),
-      inputs_(survey_inputs(pipeline, plan_, deliver, options.cache, report)),
-      delivered_(delivered_of(frames(), deliver)),
-      cache_(registry, folder_of(options, "")),
-      files_(folder_of(options, "/files")),
+      plan_(make_plan(pipeline, request.target)),
+      guard_(manifest, files_to_read(pipeline, plan_, request.target.frames)),
+      inputs_(survey_inputs(pipeline, plan_, request.target.frames, request.options.cache, report)),
+      delivered_(delivered_of(frames(), request.target.frames)),
+      cache_(registry, folder_of(request.options, "")),
+      files_(folder_of(request.options, "/files")),
       dependencies_(pipeline, inputs_.timelines, inputs_.stand_ins, files_),
       keys_(pipeline, dependencies_,
             [this](std::size_t n, std::size_t place) { return wants(n, place); }),
@@ -79,6 +78,21 @@ void Preparation::each_file(const std::function<void(std::size_t node, std::size
             if (pipeline_.nodes[n].rate != Rate::frame) break;
         }
     }
+}
+
+std::vector<Fault> Preparation::input_faults(bool keep_going) const {
+    std::vector<Fault> out;
+    if (!keep_going) out = inputs_.missing;
+    std::ranges::copy(inputs_.clashes, std::back_inserter(out));
+    std::ranges::copy(unlike_manifest_, std::back_inserter(out));
+    if (!frames().empty()) return out;
+    std::size_t first = 0;
+    while (!plan_.targets[first] && !plan_.digested[first]) ++first;
+    const auto& node = pipeline_.nodes[first];
+    out.push_back({node.name, node.type->name, std::nullopt,
+                   "no frame is left: every frame lacks a file of a reader with `missing: skip`",
+                   Failure::Kind::input});
+    return out;
 }
 
 std::string Preparation::fault_of_contents() {
@@ -174,26 +188,26 @@ Schedule Preparation::uncached_schedule() const {
          [this](std::size_t n, std::size_t place) { return delivers(n, place); }, nothing});
 }
 
-void Preparation::repeat_said(const Schedule& schedule, Report& report) {
+void Preparation::repeat_logs(const Schedule& schedule, Report& report) {
     if (!cache_.on()) return;
     const auto uncached = uncached_schedule();
     const auto runs_once = [](const Schedule& in, std::size_t n) {
         return in.once[n] == Schedule::Action::run;
     };
-    const auto repeat = [&](std::size_t n, const Said& said) {
-        for (const auto& warning : said.warnings) report.warn(n, warning);
-        for (const auto& [section, entry] : said.report) report.entry(n, section, entry);
+    const auto repeat = [&](std::size_t n, const NodeLog& log) {
+        for (const auto& warning : log.warnings) report.warn(n, warning);
+        for (const auto& [section, entry] : log.report) report.entry(n, section, entry);
     };
     for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
         const auto& node = pipeline_.nodes[n];
         const auto now = frames_of(schedule, n), anew = frames_of(uncached, n);
         const bool once = runs_once(uncached, n) && !runs_once(schedule, n);
         for (std::size_t place = 0; place < frames().size(); ++place) {
-            if (node.type->digest != typeid(void) && anew.taken_anew.contains(place) &&
-                !now.taken_anew.contains(place))
-                repeat(n, store_.said_of_digest(n, place));
+            if (node.type->digest != typeid(void) && anew.consumed_inputs.contains(place) &&
+                !now.consumed_inputs.contains(place))
+                repeat(n, store_.log_of_digest(n, place));
             if ((once && place == 0) || (anew.run.contains(place) && !now.run.contains(place)))
-                repeat(n, store_.said(n, place));
+                repeat(n, store_.log(n, place));
         }
     }
 }

@@ -7,7 +7,7 @@
 #include "runtime/keep/store.h"
 #include "runtime/plan/schedule.h"
 #include "runtime/run/inputs.h"
-#include "runtime/run/options.h"
+#include "runtime/run/request.h"
 #include "runtime/tell/report.h"
 
 #include <functional>
@@ -22,18 +22,19 @@ namespace fluidcarve {
 class Preparation {
 public:
     /// Looks at the input files. Warnings go to the report.
-    /// @param wish      must have no fault
-    /// @param deliver   frames that per-frame nodes deliver; nothing: all
+    /// @param request   its target must have no fault
     /// @param manifest  what the input files are to hold; null: nothing is known
-    Preparation(const Pipeline& pipeline, const Registry& registry, const RunOptions& options,
-                const Wish& wish, const std::optional<FrameSet>& deliver, Report& report,
-                Manifest* manifest = nullptr);
+    Preparation(const Pipeline& pipeline, const Registry& registry, const RunRequest& request,
+                Report& report, Manifest* manifest = nullptr);
 
     const Plan& plan() const { return plan_; }
     const Inputs& inputs() const { return inputs_; }
     const std::vector<int>& frames() const { return inputs_.timelines.frames(); }
+    /// Why the inputs let no run begin; empty: they do.
+    /// @param keep_going  a missing file is no reason, since its reader fails at its frame
+    std::vector<Fault> input_faults(bool keep_going) const;
     std::vector<int> delivered_frames() const;  ///< frame numbers
-    /// Whether a gatherer takes the frame at a place.
+    /// Whether a gathering node takes the frame at a place.
     bool wants(std::size_t node, std::size_t place) const;
     /// Whether a node that delivers per frame has the frame at a place.
     bool delivers(std::size_t node, std::size_t place) const;
@@ -61,7 +62,7 @@ public:
     /// The schedule with an empty cache.
     Schedule uncached_schedule() const;
     /// Adds to the report the warnings and entries of all cached results that the schedule uses.
-    void repeat_said(const Schedule& schedule, Report& report);
+    void repeat_logs(const Schedule& schedule, Report& report);
 
 private:
     /// Calls `see` for each file of the nodes that the run needs.

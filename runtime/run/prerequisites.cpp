@@ -22,7 +22,7 @@ std::string lack_of(const Pipeline& pipeline, std::size_t n, const Plan& plan, c
     if (plan.targets[n] || plan.digested[n]) return {};
     const auto waited =
         request.wait ? fmt::format("after {} s of --wait, ", *request.wait) : std::string();
-    if (request.wish.only && share.runs > 0 && node.kept)
+    if (request.target.only && share.runs > 0 && node.kept)
         return fmt::format(
             "has no results in the work folder for {} of {}, {}and --only runs no other node; run "
             "--to {} first",
@@ -33,10 +33,10 @@ std::string lack_of(const Pipeline& pipeline, std::size_t n, const Plan& plan, c
             "{} {} of {} are not in the work folder '{}', {}and --wait leaves them to other runs; "
             "run --to {} first",
             what, frames,
-            counted(std::max(share.frames, share.taken_anew + share.taken_kept), "frame"),
+            counted(std::max(share.frames, share.consumed_inputs + share.consumed_digests), "frame"),
             request.options.work_folder, waited, node.name);
     };
-    if (digests_apart(node) && share.taken_anew > 0) return lack("the data of", share.taken_anew);
+    if (digests_apart(node) && share.consumed_inputs > 0) return lack("the data of", share.consumed_inputs);
     if (gathers_apart(node) && share.runs > 0) return lack("the results of", share.runs);
     return {};
 }

@@ -1,8 +1,9 @@
 #pragma once
 
-#include "carve/base/frame_set.h"
 #include "graph/views/value_sources.h"
-#include "runtime/run/flow.h"
+#include "runtime/flow/options.h"
+#include "runtime/plan/plan.h"
+#include "runtime/tell/progress.h"
 
 #include <optional>
 #include <string>
@@ -12,8 +13,7 @@ namespace fluidcarve {
 /// A run as asked for on the command line.
 struct RunRequest {
     RunOptions options;
-    std::optional<FrameSet> deliver;  ///< `-f`: frames that per-frame nodes deliver; nothing: all
-    Wish wish;                        ///< the part of the pipeline to run
+    RunTarget target;                 ///< the part of the pipeline to run
     std::string report_path;          ///< empty: no report
     std::string html_path;            ///< empty: no page
     std::string profile_path;         ///< empty: no trace

@@ -6,6 +6,7 @@
 #include "graph/views/file_places.h"
 #include "runtime/keep/history.h"
 #include "runtime/keep/work_folder.h"
+#include "runtime/flow/flow.h"
 #include "runtime/run/conclusions.h"
 #include "runtime/run/preparation.h"
 #include "runtime/run/prerequisites.h"
@@ -99,7 +100,7 @@ std::string fault_of_task_folder(const RunRequest& request,
 /// @return whether they are
 bool keeps_what_was_asked(const Pipeline& pipeline, Preparation& prepared,
                           const RunRequest& request, Report& report) {
-    if (request.wish.to.empty() || !request.options.cache) return true;
+    if (request.target.to.empty() || !request.options.cache) return true;
     const auto& plan = prepared.plan();
     auto fault = prepared.cache().fault();
     const auto left = shares(pipeline, plan, prepared.schedule(), prepared.uncached_schedule());
@@ -177,14 +178,12 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
                   bool json) {
     if (!grants_threads(request)) return exit_code::node_failed;
     Report report(pipeline);
-    Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver,
-                         report);
+    Preparation prepared(pipeline, registry, request, report);
     if (!request.quiet)
         for (const auto& warning : report.warnings()) tell("warning: " + warning);
-    for (const auto* faults : {&prepared.inputs().missing, &prepared.inputs().clashes})
-        for (const auto& fault : *faults) report.failed(fault);
+    for (const auto& fault : prepared.input_faults(false)) report.failed(fault);
     for (const auto& fault : report.faults()) tell("failed: " + to_text(fault));
-    if (!report.faults().empty() || prepared.frames().empty()) return exit_code::input;
+    if (!report.faults().empty()) return exit_code::input;
     const auto schedule = prepared.schedule();
     const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
     if (!request.quiet) tell_of_unread(prepared.cache());
@@ -223,10 +222,11 @@ public:
         } catch (const Failure&) {
             // Results are then not kept; a message at the end says so.
         }
-        Preparation prepared(pipeline_, registry_, request_.options, request_.wish,
-                             request_.deliver, *report_, manifest_ ? &*manifest_ : nullptr);
+        Preparation prepared(pipeline_, registry_, request_, *report_,
+                             manifest_ ? &*manifest_ : nullptr);
         warn(prepared);
-        report_faults(prepared);
+        for (const auto& fault : prepared.input_faults(request_.options.keep_going))
+            report_->failed(fault);
         if (report_->faults().empty()) deliver(prepared);
         return end(prepared);
     }
@@ -252,7 +252,7 @@ private:
             return code_of(failure);
         }
         if (request_.task.empty()) return std::nullopt;
-        record_ = task_record(request_.options.work_folder, request_.task, request_.deliver);
+        record_ = task_record(request_.options.work_folder, request_.task, request_.target.frames);
         const auto fault = fault_of_task_folder(request_, cancelled_);
         if (fault.empty()) return std::nullopt;
         tell("failed: " + fault);
@@ -270,31 +270,13 @@ private:
         for (const auto& warning : told_) tell("warning: " + warning);
     }
 
-    /// Reports what of the inputs stops the run before it starts.
-    void report_faults(const Preparation& prepared) {
-        // With --keep-going the reader of a missing file fails at its frame instead.
-        if (!request_.options.keep_going)
-            for (const auto& fault : prepared.inputs().missing) report_->failed(fault);
-        for (const auto& fault : prepared.inputs().clashes) report_->failed(fault);
-        for (const auto& fault : prepared.unlike_manifest()) report_->failed(fault);
-        if (!prepared.frames().empty()) return;
-        const auto& plan = prepared.plan();
-        std::size_t first = 0;
-        while (!plan.targets[first] && !plan.digested[first]) ++first;
-        const auto& node = pipeline_.nodes[first];
-        report_->failed(
-            {node.name, node.type->name, std::nullopt,
-             "no frame is left: every frame lacks a file of a reader with `missing: skip`",
-             Failure::Kind::input});
-    }
-
     /// Computes and writes what is missing.
     void deliver(Preparation& prepared) {
         auto [schedule, to_do, absent] =
             wait_for_prerequisites(pipeline_, prepared, request_, cancelled_);
         for (auto& fault : absent) report_->failed(std::move(fault));
-        prepared.repeat_said(schedule, *report_);
-        // repeat_said found a damaged entry: its result must be computed again.
+        prepared.repeat_logs(schedule, *report_);
+        // repeat_logs found a damaged entry: its result must be computed again.
         if (prepared.cache().damaged() > 0) {
             schedule = prepared.careful_schedule();
             to_do = shares(pipeline_, prepared.plan(), schedule, prepared.uncached_schedule());
@@ -339,12 +321,19 @@ private:
                               if (!request_.quiet) tell("warning: " + warning);
                               told_.push_back(warning);
                           });
+        RunEvents events(request_.options, *report_, progress, costs,
+                         request_.profile_path.empty() ? nullptr : &*profile_);
         for (int attempt = 1;; ++attempt) {
             bool stopped = true, lost = false;
             arena.execute([&] {
-                Flow flow(pipeline_, registry_, prepared.inputs().timelines, request_.options,
-                          prepared.store(), prepared.guard(), *report_, progress, costs,
-                          request_.profile_path.empty() ? nullptr : &*profile_, cancelled_);
+                Flow flow({.pipeline = pipeline_,
+                           .registry = registry_,
+                           .timelines = prepared.inputs().timelines,
+                           .options = request_.options,
+                           .store = prepared.store(),
+                           .guard = prepared.guard(),
+                           .events = events,
+                           .cancelled = cancelled_});
                 flow.run(prepared.plan(), schedule);
                 stopped = flow.stopped();
                 lost = flow.lost();

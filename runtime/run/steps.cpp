@@ -16,7 +16,7 @@ namespace fluidcarve {
 namespace {
 
 using Action = Schedule::Action;
-using Take = Schedule::Take;
+using Consume = Schedule::Consume;
 
 /// Index of the step that makes a result; nothing: no step so far.
 using Maker = std::optional<std::size_t>;
@@ -93,7 +93,7 @@ public:
         const auto whole = prepared_.uncached_schedule();
         for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
             const auto& node = pipeline_.nodes[n];
-            const auto taken = frames_of(whole, n).taken_anew;
+            const auto taken = frames_of(whole, n).consumed_inputs;
             if (digests_apart(node) && !taken.empty()) {
                 const auto& input = digested_input(node);
                 add({node.name + "-" + input,
@@ -135,7 +135,7 @@ public:
     }
 
 private:
-    /// The first input of a gatherer that brings it frames.
+    /// The first input of a gathering node that brings it frames.
     const std::string& digested_input(const Node& node) const {
         for (std::size_t input = 0; input < node.inputs.size(); ++input)
             for (const auto& link : node.inputs[input])
@@ -161,7 +161,7 @@ private:
             delivered[place] = true;
             step.frames.push_back(prepared_.frames()[place]);
         }
-        const auto plan = make_plan(pipeline_, step.wish);
+        const auto plan = make_plan(pipeline_, step.target);
         const auto wants = [&](std::size_t n, std::size_t place) {
             return prepared_.wants(n, place);
         };
@@ -179,7 +179,7 @@ private:
         const auto needed = makers_of(schedule);
         step.needs = without_implied(needed);
         all_needs_.push_back(closure(needed));
-        step.wish.only = make(schedule, plan, out_.size());
+        step.target.only = make(schedule, plan, out_.size());
         set_cost(step, schedule, shares(pipeline_, plan, schedule, uncached), places.size());
         out_.push_back(std::move(step));
     }
@@ -195,7 +195,7 @@ private:
             for (const auto& pass : schedule.frames)
                 for (std::size_t place = 0; place < pass.size(); ++place) {
                     if (pass[place].results[n] == Action::load) need(maker(n, place));
-                    if (pass[place].takes[n] == Take::kept) need(digests_[n][place]);
+                    if (pass[place].consumes[n] == Consume::digest) need(digests_[n][place]);
                 }
         }
         return out;
@@ -215,7 +215,7 @@ private:
             for (const auto& pass : schedule.frames)
                 for (std::size_t place = 0; place < pass.size(); ++place) {
                     if (pass[place].results[n] == Action::run) made(n, place);
-                    if (pass[place].takes[n] == Take::anew && digests_apart(pipeline_.nodes[n]))
+                    if (pass[place].consumes[n] == Consume::inputs && digests_apart(pipeline_.nodes[n]))
                         digests_[n][place] = step;
                 }
         }
@@ -242,11 +242,11 @@ private:
                   std::size_t all) const {
         const auto calls = calls_of(schedule);
         // A step may read fewer grids than the whole run, and so has frames of another size.
-        auto options = options_;
-        options.cache = false;
+        RunRequest request{.options = options_, .target = step.target};
+        request.options.cache = false;
+        if (step.chunked) request.target.frames = FrameSet(step.frames);
         Report unused(pipeline_);
-        const auto frames = step.chunked ? std::optional(FrameSet(step.frames)) : std::nullopt;
-        const Preparation own(pipeline_, registry_, options, step.wish, frames, unused);
+        const Preparation own(pipeline_, registry_, request, unused);
         const auto expected = expected_costs(pipeline_, own, calls, shares, history_, options_);
         std::vector<StepWork> works;
         for (std::size_t n = 0; n < calls.size(); ++n)
@@ -262,13 +262,13 @@ private:
             for (std::size_t n = 0; n < works.size(); ++n) {
                 const auto& [calls, share, at] = works[n];
                 const auto& node = pipeline.nodes[n];
-                const auto results = calls.loads - at.taken_kept.size();
-                const Calls own{part(calls.runs), part(calls.takes),
-                                part(results) + at.taken_kept.size(), calls.once};
+                const auto results = calls.loads - at.consumed_digests.size();
+                const Calls own{part(calls.runs), part(calls.consumed),
+                                part(results) + at.consumed_digests.size(), calls.once};
                 out.seconds += expected_seconds(expected[n], own, out.all_measured);
                 const NodeWork work{own.once,
-                                    node.rate == Rate::frame && !share.only_takes ? own.runs : 0,
-                                    own.takes, share.taken_kept};
+                                    node.rate == Rate::frame && !share.only_digests ? own.runs : 0,
+                                    own.consumed, share.consumed_digests};
                 out.memory += memory_of(node, expected[n], work, input_bytes, options);
                 out.disk += disk_of(node, expected[n], work, input_bytes);
             }

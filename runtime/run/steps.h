@@ -27,7 +27,7 @@ struct RunCost {
 struct RunStep {
     std::string name;                  ///< unique: `seams-energy`, `seams`, `out`
     std::string what;                  ///< what it does, in words
-    Wish wish;                         ///< what it runs
+    RunTarget target;                         ///< what it runs
     std::vector<std::size_t> needs{};  ///< indices of the steps that it waits for, without those
                                        ///< that one of them waits for
     bool chunked = false;              ///< several runs, each of some frames, make the same as one
@@ -37,7 +37,7 @@ struct RunStep {
     std::function<RunCost(std::size_t frames)> cost{};
 };
 
-/// Cuts a run into steps, each after those that it needs: for every gatherer with digests one that
+/// Cuts a run into steps, each after those that it needs: for every gathering node with digests one that
 /// makes them, for every node that makes something of all frames (gathers_apart) one that runs it,
 /// and then those that deliver. Nodes that deliver frames from one and the same computation share a
 /// step. So each kept result is computed once in all steps, whatever the work folder holds at

@@ -91,7 +91,7 @@ std::size_t Report::computed(std::size_t n) const {
     const auto& stats = stats_[n];
     if (!stats.places.empty()) return stats.places.size();
     if (stats.finished && pipeline_.nodes[n].rate != Rate::frame) return shares_[n].frames;
-    return shares_[n].only_takes ? stats.taken.size() : 0;
+    return shares_[n].only_digests ? stats.taken.size() : 0;
 }
 
 std::uint64_t Report::most_bytes(std::size_t n) const {
@@ -101,10 +101,10 @@ std::uint64_t Report::most_bytes(std::size_t n) const {
 
 std::optional<Gathering> Report::gathering(std::size_t n) const {
     const std::lock_guard lock(mutex_);
-    if (n >= shares_.size() || !pipeline_.nodes[n].streams_in() || shares_[n].only_takes ||
+    if (n >= shares_.size() || !pipeline_.nodes[n].streams_in() || shares_[n].only_digests ||
         stats_[n].finished)
         return std::nullopt;
-    const auto needed = shares_[n].taken_anew + shares_[n].taken_kept;
+    const auto needed = shares_[n].consumed_inputs + shares_[n].consumed_digests;
     if (needed == 0) return std::nullopt;
     return Gathering{stats_[n].gathered.size(), needed, stats_[n].items, stats_[n].of_items};
 }
@@ -204,9 +204,9 @@ nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int ex
                 {"cached", cached},
                 {"wall_s", stats.seconds()},
                 {"bytes", stats.most_bytes}};
-        if (stats.taken.size() + share.taken_kept > 0)
-            node["taken"] = {{"frames", stats.taken.size() + share.taken_kept},
-                             {"cached", share.taken_kept}};
+        if (stats.taken.size() + share.consumed_digests > 0)
+            node["taken"] = {{"frames", stats.taken.size() + share.consumed_digests},
+                             {"cached", share.consumed_digests}};
     }
     for (const auto& [section, nodes] : entries_)
         for (const auto& [node, entry] : nodes) out[section][node] = in_order(entry);

@@ -46,13 +46,13 @@ public:
     /// @param place  index in the sequence
     /// @param bytes  size of the result in memory
     void ran(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
-    /// A gatherer took one frame from its inputs.
+    /// A gathering node took one frame from its inputs.
     void took(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
-    /// A gatherer has taken one frame, from its inputs or from a cached digest.
+    /// A gathering node has taken one frame, from its inputs or from a cached digest.
     void gathered(std::size_t node, std::size_t place);
     /// So many items of a growing result are kept. @param of  how many the node is to find
     void grew(std::size_t node, std::size_t items, std::size_t of);
-    /// The body of a node that runs once, or of a gatherer, has ended.
+    /// The body of a node that runs once, or of a gathering node, has ended.
     /// @param good  whether it has finished, and did not fail or stop early
     void ended(std::size_t node, double seconds, std::uint64_t bytes, bool good);
     /// A node's result was loaded from the cache.

@@ -127,12 +127,12 @@ void RunArguments::declare(CLI::App& verb) {
     frames_option = verb.add_option("-f,--frames", frames,
                                     "Deliver only these frames of the sequence (1001-1010,1020)")
                         ->type_name("FRAMES");
-    auto* const to = verb.add_option("--to", request.wish.to,
+    auto* const to = verb.add_option("--to", request.target.to,
                                      "Run only this node and the nodes that it needs, or several, "
                                      "with commas; NODE.INPUT of a solver: only extract its data "
                                      "from each frame")
                          ->type_name("NODE");
-    auto* const from = verb.add_option("--from", request.wish.from,
+    auto* const from = verb.add_option("--from", request.target.from,
                                        "Deliver only results that depend on this node")
                            ->type_name("NODE");
     verb.add_option("--only", only,
@@ -247,12 +247,12 @@ std::optional<RunRequest> RunArguments::read(const Pipeline& pipeline) {
     }
     if (frames_option && frames_option->count() > 0) {
         std::string fault;
-        request.deliver = FrameSet::parse(frames, fault);
-        if (!request.deliver) return wrong("-f: " + fault);
+        request.target.frames = FrameSet::parse(frames, fault);
+        if (!request.target.frames) return wrong("-f: " + fault);
         if (const auto note = staggered_note(frames); !note.empty() && !request.quiet)
             complain("warning: -f: " + note + "\n");
         std::vector<int> outside;
-        for (const auto frame : request.deliver->frames())
+        for (const auto frame : request.target.frames->frames())
             if (!pipeline.frames.contains(frame)) outside.push_back(frame);
         if (!outside.empty())
             return wrong(fmt::format("-f: {} is not in the sequence {}", FrameSet(outside).text(),
@@ -280,14 +280,14 @@ std::optional<RunRequest> RunArguments::read(const Pipeline& pipeline) {
         if (const auto fault = WorkFolder(request.options.work_folder).fault(); !fault.empty())
             return wrong("--cache-size: " + fault);
     }
-    request.wish.only = !only.empty();
-    if (request.wish.only) request.wish.to = only;
-    if (const auto fault = fault_of(request.wish, pipeline); !fault.empty()) return wrong(fault);
+    request.target.only = !only.empty();
+    if (request.target.only) request.target.to = only;
+    if (const auto fault = fault_of(request.target, pipeline); !fault.empty()) return wrong(fault);
     if (!request.task.empty()) {
         if (const auto fault = fault_of_task(request.task); !fault.empty())
             return wrong("--task " + request.task + ": " + fault);
         const auto name =
-            task_name(request.task.substr(request.task.find('/') + 1), request.deliver);
+            task_name(request.task.substr(request.task.find('/') + 1), request.target.frames);
         for (auto* const path : {&request.report_path, &request.html_path, &request.profile_path})
             if (!path->empty()) *path = with_name(*path, name);
     }

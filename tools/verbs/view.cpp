@@ -110,8 +110,7 @@ void take_what_is_there(Document& document, const Registry& registry) {
 /// @throws Failure if nothing tells, since the work folder or an input can't be read
 bool must_solve(const Pipeline& pipeline, const Registry& registry, const RunRequest& request) {
     Report report(pipeline);
-    Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver,
-                         report);
+    Preparation prepared(pipeline, registry, request, report);
     // What is missing is told by the run.
     if (prepared.frames().empty() || !prepared.inputs().missing.empty()) return false;
     const auto to_do =
@@ -233,7 +232,7 @@ int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Regis
         return complain(fault + "\n"), exit_code::usage;
     if (!view.path.empty()) set_page_path(document, name, view.path);
     if (view.solve) take_what_is_there(document, registry);
-    view.run.request.wish.to = name;
+    view.run.request.target.to = name;
     std::optional<RunRequest> request;
     const auto build = [&] {
         // The plugins are loaded.

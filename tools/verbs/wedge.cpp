@@ -226,9 +226,9 @@ std::optional<nlohmann::ordered_json> report_in(const std::string& path) {
 std::string draw_view(const WedgeRun& run, RunArguments arguments, const Registry& registry,
                       const Interrupt& interrupt) {
     if (run.view.empty() || arguments.no_cache || !arguments.only.empty() ||
-        !arguments.request.wish.to.empty())
+        !arguments.request.target.to.empty())
         return {};
-    arguments.request.wish.to = run.view;
+    arguments.request.target.to = run.view;
     arguments.request.quiet = true;
     const auto request = arguments.read(run.viewed);
     if (!request || run_pipeline(run.viewed, registry, *request,

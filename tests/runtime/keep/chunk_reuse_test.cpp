@@ -20,7 +20,7 @@ TEST_CASE("a chunk looks at no file but those of its frames") {
     std::string fault;
     shot.replace("  top: {type: toy.top, number: square, count: 2}\n", "");
     shot.replace(", text: top", "");
-    shot.request.deliver = FrameSet::parse("2", fault);
+    shot.request.target.frames = FrameSet::parse("2", fault);
     shot.run();
     const auto history = nlohmann::json::parse(Scratch::read(shot.folder + "/kept/history/p.json"));
     CHECK(history["load"]["files"].size() == 1);

@@ -103,13 +103,13 @@ TEST_CASE("a kept result makes way for a larger one, and a part for the whole") 
 
 TEST_CASE("a result is cut with its report entry and the warnings that depend on the count") {
     const Payload all(std::make_shared<toy::Text>(toy::Text{"9 4 1 "}));
-    const Said of_all{{"a small number", "3 numbers"},
+    const NodeLog of_all{{"a small number", "3 numbers"},
                       {{"tops", Json::parse(R"({"steps":["9","4","1"]})")}}};
     const auto cut_to = [&](int count) {
         auto result = all;
-        auto said = of_all;
-        cut(Wanting(count).node, result_of(3), result, said);
-        return std::pair(result.as<toy::Text>()->value, said);
+        auto log = of_all;
+        cut(Wanting(count).node, result_of(3), result, log);
+        return std::pair(result.as<toy::Text>()->value, log);
     };
     CHECK(cut_to(3).first == "9 4 1 ");
     CHECK(cut_to(3).second.warnings == of_all.warnings);
@@ -118,5 +118,5 @@ TEST_CASE("a result is cut with its report entry and the warnings that depend on
     CHECK(said_of_two.warnings == std::vector<std::string>{"a small number", "2 numbers"});
     CHECK(grown_entry(said_of_two).dump() == R"({"steps":["9","4"]})");
     CHECK(cut_to(1).second.warnings == std::vector<std::string>{"a small number"});
-    CHECK(grown_entry(Said{}).dump() == "{}");
+    CHECK(grown_entry(NodeLog{}).dump() == "{}");
 }

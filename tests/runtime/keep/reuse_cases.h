@@ -84,8 +84,7 @@ struct Shot {
 
     nlohmann::json forecast_of(const Pipeline& pipeline, const Registry& registry) const {
         Report unused(pipeline);
-        Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver,
-                             unused);
+        Preparation prepared(pipeline, registry, request, unused);
         const auto schedule = prepared.schedule();
         const History history(request.options.cache ? request.options.work_folder : "",
                               pipeline.name);

@@ -257,28 +257,28 @@ TEST_CASE(
     "delivered") {
     Shot shot;
     std::string fault;
-    shot.request.wish.to = "top.number";
-    shot.request.deliver = FrameSet::parse("1-2", fault);
+    shot.request.target.to = "top.number";
+    shot.request.target.frames = FrameSet::parse("1-2", fault);
     CHECK(shot.run() == Lines{"digest 1", "digest 2", "load 1", "load 2", "square 1", "square 2"});
     CHECK(shot.report["nodes"]["top"]["frames"] == 2);
-    shot.request.deliver = FrameSet::parse("3-5", fault);
+    shot.request.target.frames = FrameSet::parse("3-5", fault);
     CHECK(shot.run() == Lines{"digest 3", "digest 4", "digest 5", "load 3", "load 4", "load 5",
                               "square 3", "square 4", "square 5"});
-    shot.request.deliver.reset();
-    shot.request.wish = {"top", "", true};
+    shot.request.target.frames.reset();
+    shot.request.target = {"top", "", true};
     CHECK(shot.run() == Lines{"step 1", "step 2"});
-    shot.request.wish = {"save", "", true};
-    shot.request.deliver = FrameSet::parse("2", fault);
+    shot.request.target = {"save", "", true};
+    shot.request.target.frames = FrameSet::parse("2", fault);
     CHECK(shot.run() == Lines{"save 2"});
-    shot.request.wish = {};
-    shot.request.deliver.reset();
+    shot.request.target = {};
+    shot.request.target.frames.reset();
     CHECK(shot.run() == Lines{"save 1", "save 3", "save 4", "save 5"});
     CHECK(shot.text(3) == "9 25 16 ");
 }
 
 TEST_CASE("with --only nothing else is computed: what is not there is told") {
     Shot shot;
-    shot.request.wish = {"top", "", true};
+    shot.request.target = {"top", "", true};
     CHECK(shot.run() == Lines{});
     CHECK(shot.code == exit_code::input);
     CHECK(shot.report["failures"].size() == 1);
@@ -290,10 +290,10 @@ TEST_CASE("with --only nothing else is computed: what is not there is told") {
 TEST_CASE("with --from only what a node leads to is delivered") {
     Shot shot;
     shot.yaml += "  raw: {type: toy.save, number: load, path: OUT/raw.##}\n";
-    shot.request.wish.from = "top";
+    shot.request.target.from = "top";
     CHECK(shot.run() == everything);
     CHECK_FALSE(fs::exists(shot.folder + "/out/raw.01"));
-    shot.request.wish.from = "raw";
+    shot.request.target.from = "raw";
     CHECK(shot.run() == Lines{"load 1", "load 2", "load 3", "load 4", "load 5"} + saves);
 }
 
@@ -404,7 +404,7 @@ TEST_CASE(
     shot.request.options.cache = false;
     std::string fault;
     for (const auto* const chunk : {"1-2", "5", "2-4"}) {
-        shot.request.deliver = FrameSet::parse(chunk, fault);
+        shot.request.target.frames = FrameSet::parse(chunk, fault);
         shot.run();
         CHECK(shot.code == exit_code::done);
     }

@@ -21,7 +21,7 @@ std::string text(const Plan& plan, const Pipeline& pipeline) {
     std::string out;
     for (const auto& pass : plan.passes)
         out += names("once: ", pass.before, "\n") + names("pass: ", pass.per_frame, "") +
-               names("; gathers ", pass.gatherers, "") + names("; delivers ", pass.delivers, "") +
+               names("; gathers ", pass.gathering, "") + names("; delivers ", pass.delivers, "") +
                "\n";
     return out + names("once: ", plan.after, "\n");
 }

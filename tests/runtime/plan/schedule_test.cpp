@@ -31,9 +31,9 @@ std::string text(const Schedule& schedule, const Pipeline& pipeline) {
                 if (frame.results[n] != Schedule::Action::none)
                     does.push_back((frame.results[n] == Schedule::Action::run ? "run " : "load ") +
                                    name);
-                if (frame.takes[n] != Schedule::Take::none)
+                if (frame.consumes[n] != Schedule::Consume::none)
                     does.push_back(
-                        (frame.takes[n] == Schedule::Take::anew ? "into " : "kept into ") + name);
+                        (frame.consumes[n] == Schedule::Consume::inputs ? "into " : "kept into ") + name);
             }
             CHECK(frame.empty() == does.empty());
             if (!does.empty())
@@ -53,7 +53,7 @@ const std::string shares_of_squares = R"(  load: {type: toy.load, path: in.##}
 
 }  // namespace
 
-TEST_CASE("a gatherer takes every frame in one pass, and delivers some in the next") {
+TEST_CASE("a gathering node takes every frame in one pass, and delivers some in the next") {
     const Registry registry = toy::registry();
     const auto pipeline = pipeline_of(shares_of_squares, registry);
     const auto plan = make_plan(pipeline, {});
@@ -65,8 +65,8 @@ TEST_CASE("a gatherer takes every frame in one pass, and delivers some in the ne
     CHECK(uncached.gathers == std::vector<char>{0, 0, 1, 0});
     const auto share = frames_of(uncached, 2);
     CHECK(share.run == std::set<std::size_t>{0});
-    CHECK(share.taken_anew == std::set<std::size_t>{0, 1});
-    CHECK(share.taken_kept.empty());
+    CHECK(share.consumed_inputs == std::set<std::size_t>{0, 1});
+    CHECK(share.consumed_digests.empty());
 
     // `square` is kept: the second pass loads what the first computes.
     const auto keeping = make_schedule(pipeline, plan, {true, false}, {no, no, yes, yes, yes});
@@ -85,7 +85,7 @@ TEST_CASE("a gatherer takes every frame in one pass, and delivers some in the ne
     CHECK(all[3].runs == 1);
 }
 
-TEST_CASE("a gatherer takes a cached digest without the frame") {
+TEST_CASE("a gathering node takes a cached digest without the frame") {
     const Registry registry = toy::registry();
     const auto pipeline = pipeline_of(
         "  load: {type: toy.load, path: in.##}\n  top: {type: toy.top, number: load, count: 1}\n",
@@ -98,8 +98,8 @@ TEST_CASE("a gatherer takes a cached digest without the frame") {
     const auto share = shares(pipeline, plan, schedule,
                               make_schedule(pipeline, plan, {true, true}, {no, no, yes, yes, no}))
                            .at(1);
-    CHECK(share.taken_kept == 1);
-    CHECK(share.taken_anew == 1);
+    CHECK(share.consumed_digests == 1);
+    CHECK(share.consumed_inputs == 1);
     CHECK(share.frames == 2);
 
     const auto digests = make_plan(pipeline, {"top.number", "", false});

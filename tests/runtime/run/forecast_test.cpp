@@ -119,7 +119,7 @@ public:
         auto options = request().options;
         options.cache = cache;
         Report unused(all);
-        Preparation prepared(all, registry_with_dig(), options, {}, std::nullopt, unused);
+        Preparation prepared(all, registry_with_dig(), {.options = options}, unused);
         const auto schedule = prepared.schedule();
         const History history(cache ? options.work_folder : "", all.name);
         return make_forecast(all, prepared, schedule,

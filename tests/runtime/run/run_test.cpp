@@ -85,7 +85,7 @@ nodes:
 RunRequest deliver(const std::string& frames) {
     std::string fault;
     RunRequest out;
-    out.deliver = FrameSet::parse(frames, fault);
+    out.target.frames = FrameSet::parse(frames, fault);
     return out;
 }
 
@@ -177,7 +177,7 @@ nodes:
 
 TEST_CASE("with --to only a node and what it needs run") {
     RunRequest request;
-    request.wish.to = "total";
+    request.target.to = "total";
     const auto ran = run(two_passes, request);
     CHECK(ran.count("print") == 0);
     CHECK(ran.count("finish") == 1);
@@ -189,7 +189,7 @@ TEST_CASE("a result that --to asks for and that is kept under no key fails the r
         "frames: 1-2\nnodes:\n  count: {type: toy.count, path: in.##}\n  square: {type: "
         "toy.square, number: count}\n";
     RunRequest request;
-    request.wish.to = "square";
+    request.target.to = "square";
     const auto asked = run(squares, request);
     CHECK(asked.code == exit_code::node_failed);
     REQUIRE(failures(asked).size() == 1);

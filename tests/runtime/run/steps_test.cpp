@@ -14,7 +14,7 @@ namespace {
 
 /// The steps of a pipeline, one line each: "top-number: --to top.number -f 1-5 after ...".
 std::vector<std::string> steps_in(const std::string& nodes, const std::string& frames = "1-5",
-                                  const Wish& wish = {}) {
+                                  const RunTarget& wanted = {}) {
     static const Registry registry = toy::registry();
     const Scratch scratch;
     Problems problems;
@@ -25,7 +25,7 @@ std::vector<std::string> steps_in(const std::string& nodes, const std::string& f
     RunOptions options;
     options.work_folder = scratch / "work";
     Report report(pipeline);
-    const Preparation prepared(pipeline, registry, options, wish, std::nullopt, report);
+    const Preparation prepared(pipeline, registry, {.options = options, .target = wanted}, report);
     const auto steps = steps_of(pipeline, registry, prepared,
                                 History(options.work_folder, pipeline.name), options);
     std::vector<std::string> out;
@@ -33,8 +33,8 @@ std::vector<std::string> steps_in(const std::string& nodes, const std::string& f
         std::vector<std::string> needs;
         for (const auto need : step.needs) needs.push_back(steps[need].name);
         out.push_back(
-            fmt::format("{}: {} {}{}{}", step.name, step.wish.only ? "--only" : "--to",
-                        step.wish.to, step.chunked ? " -f " + FrameSet(step.frames).text() : "",
+            fmt::format("{}: {} {}{}{}", step.name, step.target.only ? "--only" : "--to",
+                        step.target.to, step.chunked ? " -f " + FrameSet(step.frames).text() : "",
                         needs.empty() ? "" : fmt::format(" after {}", fmt::join(needs, ", "))));
     }
     return out;

@@ -1,5 +1,5 @@
 #include "runtime/tell/outcome.h"
-#include "runtime/run/out_of_memory.h"
+#include "runtime/flow/out_of_memory.h"
 
 #include <catch2/catch.hpp>
 

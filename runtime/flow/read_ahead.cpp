@@ -1,4 +1,4 @@
-#include "runtime/run/read_ahead.h"
+#include "runtime/flow/read_ahead.h"
 
 #include "formats/file/input_file.h"
 
@@ -20,10 +20,10 @@ void tell_of(const std::string& path, InputFile::Use use) {
 
 }  // namespace
 
-ReadAhead::ReadAhead(Files read, Files written, std::size_t ahead, std::uint64_t memory)
-    : read_(std::move(read)), written_(std::move(written)), ahead_(ahead) {
-    for (std::size_t frame = 0; frame < read_.size(); ++frame)
-        for (const auto& path : read_[frame]) last_[path] = frame;
+ReadAhead::ReadAhead(FilesOfPass files, std::size_t ahead, std::uint64_t memory)
+    : files_(std::move(files)), ahead_(ahead) {
+    for (std::size_t frame = 0; frame < files_.read.size(); ++frame)
+        for (const auto& path : files_.read[frame]) last_[path] = frame;
     std::uint64_t all = 0;
     for (const auto& [path, frame] : last_) {
         std::error_code missing;
@@ -38,7 +38,7 @@ ReadAhead::~ReadAhead() = default;
 
 void ReadAhead::begin(std::size_t frame) {
     const std::lock_guard lock(mutex_);
-    until_ = std::max(until_, std::min(frame + 1 + ahead_, read_.size()));
+    until_ = std::max(until_, std::min(frame + 1 + ahead_, files_.read.size()));
     changed_.notify_one();
 }
 
@@ -60,20 +60,20 @@ void ReadAhead::work(const std::stop_token& stop) {
         lock.unlock();
         for (const auto gone : done) drop(gone);
         if (asks)
-            for (const auto& path : read_[frame]) tell_of(path, InputFile::Use::soon);
+            for (const auto& path : files_.read[frame]) tell_of(path, InputFile::Use::soon);
         lock.lock();
     }
 }
 
 void ReadAhead::drop(std::size_t done) {
-    for (const auto& path : read_[done])
+    for (const auto& path : files_.read[done])
         if (last_[path] == done) tell_of(path, InputFile::Use::over);
     // The system drops only what is on the disk. Of the rest it begins to write, so it is told
     // again.
     lately_.push_back(done);
     if (lately_.size() > ahead_ + 2) lately_.pop_front();
     for (const auto frame : lately_)
-        for (const auto& path : written_[frame]) tell_of(path, InputFile::Use::over);
+        for (const auto& path : files_.written[frame]) tell_of(path, InputFile::Use::over);
 }
 
 FilesOfPass files_of(const Store& store, const Wiring& wiring,

@@ -1,4 +1,4 @@
-#include "runtime/run/options.h"
+#include "runtime/flow/options.h"
 
 #include <algorithm>
 #include <thread>

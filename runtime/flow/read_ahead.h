@@ -16,20 +16,20 @@
 
 namespace fluidcarve {
 
+/// Paths of the files that frames read and write, `[frame]`, in the order in which frames begin.
+struct FilesOfPass {
+    std::vector<std::vector<std::string>> read, written;
+};
+
 /// Has the system read the files of the next frames while earlier ones are worked on. It asks in a
 /// thread of its own, since a slow disk may keep who asks waiting. If all files that are read are
 /// together larger than memory, it also gives back the memory of those that no later frame reads,
 /// and of those that frames have written.
 class ReadAhead {
 public:
-    /// Paths of files, `[frame]`, in the order in which frames begin.
-    using Files = std::vector<std::vector<std::string>>;
-
-    /// @param read     files that frames read
-    /// @param written  files that frames write
-    /// @param ahead    number of frames to read ahead
-    /// @param memory   bytes
-    ReadAhead(Files read, Files written, std::size_t ahead, std::uint64_t memory);
+    /// @param ahead   number of frames to read ahead
+    /// @param memory  bytes
+    ReadAhead(FilesOfPass files, std::size_t ahead, std::uint64_t memory);
     ~ReadAhead();
     ReadAhead(const ReadAhead&) = delete;
     ReadAhead& operator=(const ReadAhead&) = delete;
@@ -43,7 +43,7 @@ private:
     /// Has the files of a frame dropped. @param done  the frame
     void drop(std::size_t done);
 
-    const Files read_, written_;
+    const FilesOfPass files_;
     const std::size_t ahead_;
     std::map<std::string, std::size_t> last_;  ///< file to the last frame that reads it
     bool drops_ = false;
@@ -56,10 +56,6 @@ private:
     std::jthread thread_;
 };
 
-/// The files of a pass.
-struct FilesOfPass {
-    ReadAhead::Files read, written;
-};
 /// Finds the files that nodes read and write in the frames of a pass.
 /// @param scheduled  the pass's frames, by place
 /// @param places     of the frames, in the order in which they begin

@@ -1,4 +1,4 @@
-#include "runtime/run/out_of_memory.h"
+#include "runtime/flow/out_of_memory.h"
 
 #include "carve/base/words.h"
 

@@ -1,4 +1,4 @@
-#include "runtime/run/read_ahead.h"
+#include "runtime/flow/read_ahead.h"
 #include "formats/file/input_file.h"
 #include "tests/support/scratch.h"
 
@@ -79,8 +79,9 @@ TEST_CASE("files of the next frames are read before these begin, and none farthe
         return;
     }
     const auto& p = files.paths;
-    ReadAhead ahead({{p[0]}, {p[1], "/none/such"}, {p[2]}, {p[3], p[4]}, {p[5]}},
-                    {{}, {}, {}, {}, {}}, 2, std::uint64_t{1} << 30);
+    ReadAhead ahead({{{p[0]}, {p[1], "/none/such"}, {p[2]}, {p[3], p[4]}, {p[5]}},
+                     {{}, {}, {}, {}, {}}},
+                    2, std::uint64_t{1} << 30);
     ahead.begin(0);
     CHECK(eventually([&] { return held(p[0]) == 1 && held(p[1]) == 1 && held(p[2]) == 1; }));
     CHECK(held(p[3]) == 0);
@@ -98,7 +99,7 @@ TEST_CASE("files that are larger than memory are dropped once no later frame rea
         return;
     }
     const auto& p = files.paths;
-    ReadAhead ahead({{p[0], p[1]}, {p[1]}, {p[2]}}, {{}, {}, {}}, 3, 2 * cold_size);
+    ReadAhead ahead({{{p[0], p[1]}, {p[1]}, {p[2]}}, {{}, {}, {}}}, 3, 2 * cold_size);
     ahead.begin(0);
     REQUIRE(eventually([&] { return held(p[0]) == 1 && held(p[1]) == 1 && held(p[2]) == 1; }));
     ahead.end(0);
@@ -121,7 +122,7 @@ TEST_CASE("written files are dropped, too, as soon as they are on the disk") {
                                                std::string(cold_size, 'x')),
                    late = files.scratch.write(fmt::format("late {}", larger),
                                               std::string(cold_size, 'x'));
-        ReadAhead ahead({{p[0]}, {p[1]}, {p[2]}}, {{early}, {}, {late}}, 1,
+        ReadAhead ahead({{{p[0]}, {p[1]}, {p[2]}}, {{early}, {}, {late}}}, 1,
                         (larger ? 2 : 4) * cold_size);
         ahead.begin(0);
         CHECK(eventually([&] { return held(p[0]) == 1 && held(p[1]) == 1; }));
@@ -138,8 +139,8 @@ TEST_CASE("written files are dropped, too, as soon as they are on the disk") {
 }
 
 TEST_CASE("nothing is read ahead where frames read no files") {
-    ReadAhead ahead({{}, {}}, {{}, {}}, 3, 0);
+    ReadAhead ahead({{{}, {}}, {{}, {}}}, 3, 0);
     ahead.begin(0);
     ahead.end(0);
-    ReadAhead none({}, {}, 3, 0);
+    ReadAhead none({}, 3, 0);
 }

@@ -1,4 +1,4 @@
-#include "runtime/run/file_provenance.h"
+#include "runtime/flow/file_provenance.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "runtime/run/ports.h"
+#include "runtime/flow/ports.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "runtime/keep/said.h"
+#include "runtime/keep/node_log.h"
 
 namespace fluidcarve {
 namespace {
@@ -7,15 +7,15 @@ using Json = nlohmann::ordered_json;
 
 }  // namespace
 
-Json to_json(const Said& said) {
+Json to_json(const NodeLog& log) {
     Json out = Json::object();
-    if (!said.warnings.empty()) out["warnings"] = said.warnings;
-    for (const auto& [section, entry] : said.report) out["report"][section] = entry;
+    if (!log.warnings.empty()) out["warnings"] = log.warnings;
+    for (const auto& [section, entry] : log.report) out["report"][section] = entry;
     return out;
 }
 
-Said said_in(const Json& header) {
-    Said out;
+NodeLog log_in(const Json& header) {
+    NodeLog out;
     out.warnings = header.value("warnings", out.warnings);
     if (const auto report = header.find("report"); report != header.end())
         for (const auto& [section, entry] : report->items()) out.report[section] = entry;

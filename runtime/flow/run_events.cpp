@@ -1,0 +1,60 @@
+#include "runtime/flow/run_events.h"
+
+namespace fluidcarve {
+
+void RunEvents::begin(const Schedule& schedule) {
+    calls_ = calls_of(schedule);
+    steps_.assign(calls_.size(), {});
+    progress_.begin_again();
+    for (std::size_t n = 0; n < calls_.size(); ++n) {
+        const auto add = [&](Work work, std::size_t runs) {
+            if (runs > 0)
+                steps_[n][static_cast<std::size_t>(work)] =
+                    progress_.add({report_.name(n), runs, costs_.expected(n, work)});
+        };
+        add(Work::take, calls_[n].consumed);
+        const bool finishes = schedule.gathers[n] != 0;
+        add(Work::once, finishes || (calls_[n].once && calls_[n].runs == 0) ? 1 : 0);
+        add(Work::frame, calls_[n].runs);
+    }
+}
+
+void RunEvents::ran(Work work, std::size_t node, std::size_t place, double seconds,
+                    std::uint64_t bytes) {
+    if (work == Work::take) report_.took(node, place, seconds, bytes);
+    else report_.ran(node, place, seconds, bytes);
+}
+
+void RunEvents::done(Work work, std::size_t node, WorkTimes::Span& span, int frame, bool good) {
+    const auto seconds = span.end();
+    const auto& calls = calls_[node];
+    const double abreast = options_.abreast(work == Work::take ? calls.consumed : calls.runs);
+    if (good) costs_.add(node, work, seconds, {abreast, abreast, 0, 0, 0, 0});
+    progress_.done(step(node, work).value(), seconds, frame);
+}
+
+void RunEvents::loaded(std::size_t node, WorkTimes::Span& span) {
+    const double abreast = options_.abreast(calls_[node].loads);
+    costs_.add(node, Work::load, span.end(), {abreast, abreast, 0, 0, 0, 0});
+}
+
+void RunEvents::advanced(std::size_t node, double share, double seconds) {
+    if (const auto once = step(node, Work::once)) progress_.part(*once, share, seconds);
+}
+
+void RunEvents::done_once(std::size_t node, WorkTimes::Span& span, double share, CostSetting at) {
+    // What was stopped counts by the share of its work that it had done, unless that is too little
+    // to tell the rest.
+    constexpr double least = 0.05;
+    const auto seconds = span.end();
+    at.abreast = options_.abreast(std::nullopt);
+    at.cores = span.cores();
+    if (share >= least) costs_.add(node, Work::once, seconds / share, at);
+    if (share == 1) progress_.done(step(node, Work::once).value(), seconds, std::nullopt);
+}
+
+void RunEvents::warned_at_once(std::size_t node, const std::string& message) {
+    if (const auto line = report_.warn(node, message); !line.empty()) progress_.say(line);
+}
+
+}  // namespace fluidcarve
