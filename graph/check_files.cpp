@@ -6,7 +6,7 @@ namespace fluidcarve {
 
 void PipelineBuilder::check_paths(const FrameSet& frames) {
     const auto each_path = [&](Shape::Kind kind, const auto& visit) {
-        for (const auto& [node, value, references, unsure] : drafts_)
+        for (const auto& [node, value, references, unsure] : nodes_)
             for (const auto& spec : node.type->params)
                 if (!unsure && spec.shape.kind == kind)
                     if (const auto& path = spec.path(node.params.get()); !path.text().empty()) {
@@ -63,23 +63,23 @@ bool PipelineBuilder::blame_reader(const Node& writer, const Mark& mark, const F
                 if (seen.insert(link.node).second) open.push_back(link.node);
     };
     for (take(writer); !open.empty();) {
-        const auto& node = drafts_[open.back()].node;
+        const auto& node = nodes_[open.back()].node;
         open.pop_back();
         take(node);
     }
     // Of several readers, the one whose file has a number in its name.
     std::optional<std::tuple<std::size_t, const ParamSpec*, std::string>> found;
     for (const auto n : seen)
-        for (const auto& spec : drafts_[n].node.type->params) {
-            if (spec.shape.kind != Shape::Kind::input_path) continue;
-            const auto& text = spec.path(drafts_[n].node.params.get()).text();
+        for (const auto& spec : nodes_[n].node.type->params) {
+            if (!spec.reads_file()) continue;
+            const auto& text = spec.path(nodes_[n].node.params.get()).text();
             const auto numbered = text.empty() ? text : with_frame_token(text);
             if (!text.empty() && (!found || (std::get<2>(*found).empty() && !numbered.empty())))
                 found = {n, &spec, numbered};
         }
     if (!found) return false;
     const auto& [n, spec, numbered] = *found;
-    const auto& reader = drafts_[n];
+    const auto& reader = nodes_[n];
     const auto* const field = reader.value->find(spec->name);
     add(problems_, field ? field->value.mark : reader.node.mark,
         fmt::format("{} reads one file for all {} frames, but '{}' writes one for each: '{}' "
@@ -99,17 +99,16 @@ void PipelineBuilder::check_written(const FrameSet& frames) {
         };
         return std::pair(file(frames.frames().front()), file(frames.frames().back()));
     };
-    for (const auto& reader : drafts_)
+    for (const auto& reader : nodes_)
         for (const auto& spec : reader.node.type->params) {
             if (!spec.written || !reader.node.params) continue;
             for (const auto& [name, path] : spec.written(reader.node.params.get())) {
                 // What nodes with faults write is not known.
-                bool found = drafts_.size() < known_.size();
+                bool found = nodes_.size() < known_.size();
                 std::vector<std::string> all;
-                for (const auto& writer : drafts_)
+                for (const auto& writer : nodes_)
                     for (const auto& other : writer.node.type->params) {
-                        if (&writer == &reader || other.shape.kind != Shape::Kind::output_path)
-                            continue;
+                        if (&writer == &reader || !other.writes_file()) continue;
                         if (!writer.node.params) found = true;
                         else if (const auto& output = other.path(writer.node.params.get());
                                  !output.text().empty())
@@ -129,10 +128,9 @@ void PipelineBuilder::check_written(const FrameSet& frames) {
 void PipelineBuilder::check_confinement(const FrameSet& frames) {
     const auto& confinement = Confinement::of_program();
     if (!confinement.on()) return;
-    for (const auto& [node, value, references, unsure] : drafts_)
+    for (const auto& [node, value, references, unsure] : nodes_)
         for (const auto& spec : node.type->params) {
-            const bool path = spec.shape.kind == Shape::Kind::input_path ||
-                              spec.shape.kind == Shape::Kind::output_path;
+            const bool path = spec.reads_file() || spec.writes_file();
             const auto* const field = value->find(spec.name);
             if (!path || !field || !node.params) continue;
             const auto& files = spec.path(node.params.get());

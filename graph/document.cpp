@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t most_extends = 16;
 
 /// Merges `later` into `earlier`, down to `levels` nested maps. A null field in `later` removes the
-/// field from `earlier`. DocumentNames are unique in each.
+/// field from `earlier`. Field names are unique in each.
 void merge(Value& earlier, const Value& later, int levels) {
     if (levels == 0 || earlier.kind != Value::Kind::map || later.kind != Value::Kind::map) {
         earlier = later;

@@ -104,8 +104,7 @@ void note_old_files(Pipeline& pipeline) {
     for (const auto& node : pipeline.nodes)
         for (const auto& spec : node.type->params) try {
                 if (!node.params) continue;  // a node with faults
-                if (spec.shape.kind == Shape::Kind::output_path)
-                    look_at(spec.path(node.params.get()), node.frames);
+                if (spec.writes_file()) look_at(spec.path(node.params.get()), node.frames);
             } catch (const Failure&) {
                 // A folder that can't be read is told when something is written to it.
             }

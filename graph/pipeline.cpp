@@ -23,11 +23,10 @@ Problems warnings_of(const Pipeline& pipeline) {
 bool Pipeline::writes(std::size_t n) const {
     const auto& node = nodes[n];
     return node.outputs.empty() &&
-           std::any_of(node.type->params.begin(), node.type->params.end(),
-                       [&](const ParamSpec& spec) {
-                           return spec.shape.kind == Shape::Kind::output_path &&
-                                  !spec.path(node.params.get()).text().empty();
-                       });
+           std::any_of(
+               node.type->params.begin(), node.type->params.end(), [&](const ParamSpec& spec) {
+                   return spec.writes_file() && !spec.path(node.params.get()).text().empty();
+               });
 }
 
 std::string to_text(Rate rate) {

@@ -97,6 +97,10 @@ struct ParamSpec {
     std::function<const PathPattern&(const void* params)> path;
     /// The files of a parameter of type WrittenPaths, by name; empty for all others.
     std::function<const WrittenPaths&(const void* params)> written;
+
+    /// Whether the value is the path of a file that the node reads, or writes.
+    bool reads_file() const { return shape.kind == Shape::Kind::input_path; }
+    bool writes_file() const { return shape.kind == Shape::Kind::output_path; }
 };
 
 /// A node with bound parameters and, if it gathers, its state. Made anew for every run.

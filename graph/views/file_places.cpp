@@ -20,8 +20,8 @@ FilePlaces file_places(const Pipeline& pipeline) {
     FilePlaces out;
     for (const auto& node : pipeline.nodes)
         for (const auto& spec : node.type->params) {
-            const bool writes = spec.shape.kind == Shape::Kind::output_path;
-            if (!writes && spec.shape.kind != Shape::Kind::input_path) continue;
+            const bool writes = spec.writes_file();
+            if (!writes && !spec.reads_file()) continue;
             const auto& pattern = spec.path(node.params.get());
             if (pattern.text().empty()) continue;
             FilePlace place{node.name,
@@ -61,8 +61,8 @@ std::string user_of(const Pipeline& pipeline, const std::string& path) {
         if (is(file)) return "it is the pipeline";
     for (const auto& node : pipeline.nodes)
         for (const auto& spec : node.type->params) {
-            const bool reads = spec.shape.kind == Shape::Kind::input_path;
-            if (!reads && spec.shape.kind != Shape::Kind::output_path) continue;
+            const bool reads = spec.reads_file();
+            if (!reads && !spec.writes_file()) continue;
             const auto& pattern = spec.path(node.params.get());
             if (const auto ends = pattern.name_ends(); ends && !ends->fits({name, name})) continue;
             for (const auto frame : pipeline.frames.frames()) {

@@ -140,11 +140,11 @@ private:
     std::string field_text(const Node& node, const Value::Field& field) {
         const auto* const param = node.type->param(field.name);
         if (!param && !node.type->input(field.name)) return {};
-        if (param && param->shape.kind == Shape::Kind::output_path) return {};
+        if (param && param->writes_file()) return {};
         const auto target = node.name + "." + field.name;
         if (!param) return note(target, field.value), yaml_text(field.value, ascii);
         const auto text = param->text(node.params.get());
-        if (param->shape.kind == Shape::Kind::input_path)
+        if (param->reads_file())
             return note_path(target, field.value, text), yaml_scalar(portable(text), ascii);
         note(target, field.value);
         if (!param->required && text == param->fallback) return {};

@@ -51,7 +51,7 @@ WrittenFiles written_files(const Pipeline& pipeline, const std::vector<int>& del
     WrittenFiles out;
     for (const auto& node : pipeline.nodes)
         for (const auto& spec : node.type->params) {
-            if (spec.shape.kind != Shape::Kind::output_path) continue;
+            if (!spec.writes_file()) continue;
             const auto& pattern = spec.path(node.params.get());
             if (pattern.text().empty()) continue;
             const auto frames = delivered.empty() || !pattern.per_frame()

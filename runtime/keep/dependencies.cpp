@@ -8,7 +8,7 @@ namespace fluidcarve {
 std::vector<std::string> named_files(const Node& node, int frame) {
     std::vector<std::string> out;
     for (const auto& spec : node.type->params) {
-        if (spec.shape.kind != Shape::Kind::input_path) continue;
+        if (!spec.reads_file()) continue;
         const auto& path = spec.path(node.params.get());
         if (!path.text().empty()) out.push_back(path.at(frame));
     }
@@ -26,8 +26,8 @@ Dependencies::OfNode Dependencies::of(std::size_t n) const {
         out.plugin = content ? content->key : Key{};
     }
     for (const auto& param : type.params) {
-        if (param.shape.kind == Shape::Kind::input_path ||
-            param.shape.kind == Shape::Kind::output_path)
+        if (param.reads_file() ||
+            param.writes_file())
             continue;
         const auto text = param.text(node.params.get());
         const bool grows = type.growth && type.growth->param == param.name,

@@ -23,7 +23,7 @@ std::vector<std::string> Store::outputs(std::size_t n, std::size_t place) const 
     const auto& node = pipeline_.nodes[n];
     std::vector<std::string> out;
     for (const auto& spec : node.type->params)
-        if (spec.shape.kind == Shape::Kind::output_path)
+        if (spec.writes_file())
             if (const auto& path = spec.path(node.params.get()); !path.text().empty())
                 out.push_back(
                     path.at(dependencies_.frames().at(node.rate == Rate::frame ? place : 0)));

@@ -41,7 +41,7 @@ void try_outputs(const Pipeline& pipeline, const std::vector<Share>& shares, int
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         for (const auto& spec : node.type->params) {
-            if (shares[n].runs == 0 || spec.shape.kind != Shape::Kind::output_path ||
+            if (shares[n].runs == 0 || !spec.writes_file() ||
                 spec.path(node.params.get()).text().empty())
                 continue;
             try {

@@ -35,7 +35,7 @@ std::vector<std::string> written_paths(const Pipeline& pipeline, const std::vect
         const auto& node = pipeline.nodes[n];
         if (shares[n].frames == 0) continue;
         for (const auto& spec : node.type->params) {
-            if (spec.shape.kind != Shape::Kind::output_path) continue;
+            if (!spec.writes_file()) continue;
             const auto& path = spec.path(node.params.get()).text();
             if (!path.empty() && std::ranges::find(out, path) == out.end()) out.push_back(path);
         }
@@ -49,7 +49,7 @@ std::optional<std::size_t> written_frames(const Pipeline& pipeline,
     for (std::size_t n = 0; n < shares.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         for (const auto& spec : node.type->params)
-            if (shares[n].frames > 0 && spec.shape.kind == Shape::Kind::output_path &&
+            if (shares[n].frames > 0 && spec.writes_file() &&
                 spec.path(node.params.get()).per_frame())
                 out = std::max(out.value_or(0), shares[n].frames);
     }

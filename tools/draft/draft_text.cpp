@@ -1,9 +1,17 @@
 #include "tools/draft/draft_text.h"
 
+#include "carve/base/failure.h"
 #include "carve/base/frame_set.h"
 #include "carve/base/words.h"
+#include "graph/text/yaml_text.h"
+#include "graph/types/param.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 
 namespace fluidcarve {
 

@@ -61,7 +61,7 @@ template <class Visit>
 void each_output(const Pipeline& pipeline, const Visit& visit) {
     for (const auto& node : pipeline.nodes)
         for (const auto& spec : node.type->params)
-            if (spec.shape.kind == Shape::Kind::output_path)
+            if (spec.writes_file())
                 if (const auto& path = spec.path(node.params.get()); !path.text().empty())
                     visit(node, spec, path);
 }
