@@ -1,5 +1,9 @@
 #pragma once
 
+#include "formats/file/input_file.h"
+
+#include <nlohmann/json.hpp>
+
 #include <string>
 
 namespace fluidcarve {
@@ -10,6 +14,12 @@ namespace fluidcarve {
 template <class Json>
 std::string json_text(const Json& json, int indent = -1) {
     return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+/// The content of a file that the program wrote itself (text_of_own_file); discarded if it is no
+/// JSON.
+inline nlohmann::ordered_json json_of_own_file(const std::string& path) {
+    return nlohmann::ordered_json::parse(text_of_own_file(path), nullptr, false);
 }
 
 }  // namespace fluidcarve

@@ -43,8 +43,7 @@ Context NodeCalls::context(BodyHost& host, const FrameRun* frame) const {
     const auto& timelines = setup_.timelines;
     const auto& [numbers, index] =
         delivers(host.node, frame) ? timelines.delivered(host.node) : timelines.taken(host.node);
-    auto out =
-        Context(host, numbers).limits(setup_.options.memory, setup_.options.work_folder);
+    auto out = Context(host, numbers).limits(setup_.options.memory, setup_.options.work_folder);
     return frame ? out.at(index.at(frame->place).value()) : out;
 }
 
@@ -69,7 +68,7 @@ bool NodeCalls::guarded(std::size_t n, std::optional<int> frame, const char* wha
 
 void NodeCalls::fail(std::size_t n, std::optional<int> frame, const std::string& message,
                      Failure::Kind kind) {
-    setup_.events.failed({node(n).name, node(n).type->name, frame, message, kind});
+    setup_.events.failed(fault_in(node(n), frame, message, kind));
     failed_ = true;
 }
 
@@ -109,8 +108,7 @@ bool NodeCalls::wanted(std::size_t n, std::string_view output, const auto& by,
 
 // What is cached.
 
-void NodeCalls::keep(const BodyHost& host, std::size_t place,
-                     const std::vector<Payload>& outputs) {
+void NodeCalls::keep(const BodyHost& host, std::size_t place, const std::vector<Payload>& outputs) {
     const auto n = host.node;
     const bool stores = setup_.options.cache && (node(n).kept || !host.log.empty());
     const auto event = setup_.events.event("keep", n, frame_at(n, place), stores);
@@ -263,8 +261,8 @@ void NodeCalls::finish(std::size_t n) {
 
 void NodeCalls::once(std::size_t n, bool target) {
     const auto& behaviour = behaviours_[n];
-    const bool connected = std::ranges::any_of(
-        node(n).inputs, [](const auto& links) { return !links.empty(); });
+    const bool connected =
+        std::ranges::any_of(node(n).inputs, [](const auto& links) { return !links.empty(); });
     BodyHost host(setup_, provenance_, n);
     const bool good = call(host, nullptr, "run", [&](void* ports, Context& context) {
         context.wanting([&](std::string_view output) {

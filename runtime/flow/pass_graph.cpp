@@ -72,8 +72,7 @@ void PassGraph::retire(FrameRun& frame) {
     if (frame.open.fetch_sub(1) != 1) return;
     --calls_.in_flight;
     ahead_.end(frame.order);
-    if (frame.scheduled.computes())
-        setup_.events.passed(setup_.timelines.frames()[frame.place]);
+    if (frame.scheduled.computes()) setup_.events.passed(setup_.timelines.frames()[frame.place]);
     limiter_.decrementer().try_put(flow::continue_msg{});
 }
 
@@ -87,12 +86,12 @@ void PassGraph::work(std::size_t n, FrameRun& frame) {
 }
 
 void PassGraph::add_unit(std::size_t n) {
-    units_[n] = std::make_unique<Unit>(
-        graph_, flow::unlimited, [this, n](const Frame& frame, Unit::output_ports_type& out) {
-            if (frame->waiting[n].fetch_sub(1) != 1) return;
-            work(n, *frame);
-            std::get<0>(out).try_put(frame);
-        });
+    units_[n] = std::make_unique<Unit>(graph_, flow::unlimited,
+                                       [this, n](const Frame& frame, Unit::output_ports_type& out) {
+                                           if (frame->waiting[n].fetch_sub(1) != 1) return;
+                                           work(n, *frame);
+                                           std::get<0>(out).try_put(frame);
+                                       });
     if (gathers(n)) add_gathering(n);
     if (wiring_.readers[n].empty()) ++ends_;
 }

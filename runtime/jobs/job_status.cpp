@@ -131,7 +131,7 @@ std::vector<Json> jobs_in(const std::string& work_folder) {
         folders.push_back(each->path());
     std::ranges::sort(folders);
     for (const auto& folder : folders) {
-        const auto job = Json::parse(text_of_own_file(folder / "job.json"), nullptr, false);
+        const auto job = json_of_own_file(folder / "job.json");
         if (is_job(job)) out.push_back(about(job, folder.string()));
     }
     return out;

@@ -26,9 +26,7 @@ Dependencies::OfNode Dependencies::of(std::size_t n) const {
         out.plugin = content ? content->key : Key{};
     }
     for (const auto& param : type.params) {
-        if (param.reads_file() ||
-            param.writes_file())
-            continue;
+        if (param.reads_file() || param.writes_file()) continue;
         const auto text = param.text(node.params.get());
         const bool grows = type.growth && type.growth->param == param.name,
                    either_way = type.growth && type.growth->best_effort == param.name;

@@ -15,7 +15,6 @@
 #include <array>
 #include <bit>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
 #include <utility>
@@ -322,10 +321,7 @@ NodeCost History::cost(const std::string& node, const std::string& type) const {
 void History::save() const {
     if (path_.empty() || foreign_) return;
     try {
-        OutputFile file(path_);
-        std::ofstream out(file.aside(), std::ios::binary);
-        out << json_text(nodes_, 1) << "\n";
-        file.commit(out);
+        OutputFile::write(path_, json_text(nodes_, 1) + "\n");
     } catch (const Failure&) {
         // Without the file a forecast only lacks reasons and estimates.
     }

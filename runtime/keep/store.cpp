@@ -156,7 +156,8 @@ void Store::keep_files(std::size_t n, std::size_t place, const NodeLog& log) {
     cache_.store(key(n, place), std::move(header), {});
 }
 
-void Store::keep_digest(std::size_t n, std::size_t place, const Payload& digest, const NodeLog& log) {
+void Store::keep_digest(std::size_t n, std::size_t place, const Payload& digest,
+                        const NodeLog& log) {
     if (pipeline_.nodes[n].digests_kept && digest)
         cache_.store(keys_.taken(n, place), header_of(log), {digest});
 }

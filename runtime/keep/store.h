@@ -50,7 +50,8 @@ public:
     /// Caches the outputs of a body if the node is cached, and its log.
     void keep(std::size_t node, std::size_t place, const std::vector<Payload>& outputs,
               const NodeLog& log);
-    void keep_digest(std::size_t node, std::size_t place, const Payload& digest, const NodeLog& log);
+    void keep_digest(std::size_t node, std::size_t place, const Payload& digest,
+                     const NodeLog& log);
     /// Caches a growing result, unless the entry already holds more.
     /// @param part  whether the node is still working on it
     void keep_grown(std::size_t node, std::size_t place, const Payload& result, const NodeLog& log,

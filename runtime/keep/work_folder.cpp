@@ -4,6 +4,7 @@
 #include "formats/file/confinement.h"
 #include "formats/file/input_file.h"
 #include "formats/file/output_file.h"
+#include "graph/text/json_text.h"
 #include "runtime/keep/content_hash.h"
 #include "runtime/keep/entry_header.h"
 #include "runtime/keep/packs.h"
@@ -90,7 +91,7 @@ bool is_file_hash(const fs::path& file) {
 /// Whether a file is of the form of History (`history`) or StatusFile (`runs`).
 bool is_record(const fs::path& file, bool run) {
     if (file.extension() != ".json") return false;
-    const auto record = nlohmann::json::parse(text_of_own_file(file), nullptr, false);
+    const auto record = json_of_own_file(file);
     if (!record.is_object()) return false;
     if (run)
         return record.contains("pid") && record.contains("host") && record.contains("pipeline") &&
@@ -109,7 +110,7 @@ std::vector<fs::path> files_of_job(const fs::path& folder) {
             out.push_back(file);
     for (const auto& file : files_in(folder / "logs", 0))
         if (file.extension() == ".log" && begins_with(file, "$ ")) out.push_back(file);
-    const auto job = nlohmann::json::parse(text_of_own_file(folder / "job.json"), nullptr, false);
+    const auto job = json_of_own_file(folder / "job.json");
     if (job.is_object() && job.contains("pipeline") && job.contains("engine") &&
         job.contains("steps"))
         out.push_back(folder / "job.json");
@@ -121,7 +122,7 @@ std::string made_for(const fs::path& file, const fs::path& root) {
     const auto inside = file.lexically_relative(root);
     const auto part = inside.begin()->string();
     const auto pipeline_in = [](const fs::path& path) {
-        const auto record = nlohmann::json::parse(text_of_own_file(path), nullptr, false);
+        const auto record = json_of_own_file(path);
         const auto pipeline = record.is_object() ? record.find("pipeline") : record.end();
         return pipeline != record.end() && pipeline->is_string()
                    ? shot_of(pipeline->get<std::string>())

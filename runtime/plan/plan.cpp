@@ -68,7 +68,8 @@ std::optional<Target> target_of(const std::string& to, const char* option, const
 
 /// The nodes that a RunTarget names.
 /// @param fault  set to what is wrong with the first that can't be one
-std::vector<Target> targets_of(const RunTarget& wanted, const Pipeline& pipeline, std::string& fault) {
+std::vector<Target> targets_of(const RunTarget& wanted, const Pipeline& pipeline,
+                               std::string& fault) {
     std::vector<Target> out;
     std::istringstream names(wanted.to);
     for (std::string name; fault.empty() && std::getline(names, name, ',');)

@@ -40,8 +40,8 @@ struct Schedule {
     };
     /// One frame in one pass. Both vectors are per node.
     struct Frame {
-        std::vector<Action> results;  ///< of nodes that deliver per frame
-        std::vector<Consume> consumes;      ///< of nodes that gather in this pass
+        std::vector<Action> results;    ///< of nodes that deliver per frame
+        std::vector<Consume> consumes;  ///< of nodes that gather in this pass
 
         /// Whether the node reads its inputs in this frame.
         bool reads(std::size_t node) const {
@@ -67,8 +67,8 @@ struct Calls {
     /// Computed frames; one that two passes need, and that is not kept, counts twice.
     std::size_t runs = 0;
     std::size_t consumed = 0;  ///< for a gathering node: frames taken from its inputs
-    std::size_t loads = 0;  ///< cached results and digests that are loaded
-    bool once = false;      ///< it finishes, or runs once
+    std::size_t loads = 0;     ///< cached results and digests that are loaded
+    bool once = false;         ///< it finishes, or runs once
 };
 /// @return one entry per node
 std::vector<Calls> calls_of(const Schedule& schedule);
@@ -88,9 +88,10 @@ struct Share {
     std::size_t runs = 0;    ///< frames that the run computes; the others are cached
     /// Only the digests of a gathering node are wanted; `frames` and `runs` then count these.
     bool only_digests = false;
-    std::size_t consumed_inputs = 0,
-                consumed_digests =
-                    0;  ///< for a gathering node: frames taken from its inputs, and from cached digests
+    std::size_t
+        consumed_inputs = 0,
+        consumed_digests =
+            0;  ///< for a gathering node: frames taken from its inputs, and from cached digests
 };
 
 /// @param uncached  the schedule of the same plan with an empty cache

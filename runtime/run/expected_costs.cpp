@@ -34,7 +34,8 @@ std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation
             now.abreast = options.abreast(work == Work::once ? std::nullopt : std::optional(times));
             now.input_bytes = prepared.inputs().frame_bytes;
             if (work == Work::once) {
-                if (calls[n].once) now.gathered = shares[n].consumed_inputs + shares[n].consumed_digests;
+                if (calls[n].once)
+                    now.gathered = shares[n].consumed_inputs + shares[n].consumed_digests;
                 now.items = items_to_find(node, prepared.grown(n), cost);
             }
             cost = WorkTime{seconds_in(*cost, now), now};

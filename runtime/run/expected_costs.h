@@ -1,8 +1,8 @@
 #pragma once
 
+#include "runtime/flow/options.h"
 #include "runtime/keep/history.h"
 #include "runtime/plan/schedule.h"
-#include "runtime/flow/options.h"
 #include "runtime/run/preparation.h"
 #include "runtime/tell/costs.h"
 

@@ -91,9 +91,9 @@ std::optional<FrameSet> frames_needed(const Pipeline& pipeline, const Plan& plan
 void add_missing(const Node& node, const SurveyOf& of, std::vector<Fault>& out) {
     for (const auto& [frame, message] : of.lost)
         if (of.needs(frame))
-            out.push_back({node.name, node.type->name,
-                           node.rate == Rate::fixed ? std::nullopt : std::optional(frame), message,
-                           Failure::Kind::input});
+            out.push_back(fault_in(node,
+                                   node.rate == Rate::fixed ? std::nullopt : std::optional(frame),
+                                   message, Failure::Kind::input));
 }
 
 /// Carries what readers said through the pipeline, and asks the other nodes whether they can work
@@ -112,9 +112,9 @@ void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<
             if (needed && !needed->contains(frame)) continue;
             const auto clash = foresight.carry(n, frame);
             if (clash.empty()) continue;
-            out.clashes.push_back({node.name, node.type->name,
-                                   node.rate == Rate::fixed ? std::nullopt : std::optional(frame),
-                                   clash, Failure::Kind::input});
+            out.clashes.push_back(
+                fault_in(node, node.rate == Rate::fixed ? std::nullopt : std::optional(frame),
+                         clash, Failure::Kind::input));
             break;
         }
         if (!node.type->survey) continue;

@@ -89,9 +89,10 @@ std::vector<Fault> Preparation::input_faults(bool keep_going) const {
     std::size_t first = 0;
     while (!plan_.targets[first] && !plan_.digested[first]) ++first;
     const auto& node = pipeline_.nodes[first];
-    out.push_back({node.name, node.type->name, std::nullopt,
-                   "no frame is left: every frame lacks a file of a reader with `missing: skip`",
-                   Failure::Kind::input});
+    out.push_back(
+        fault_in(node, std::nullopt,
+                 "no frame is left: every frame lacks a file of a reader with `missing: skip`",
+                 Failure::Kind::input));
     return out;
 }
 
@@ -116,8 +117,7 @@ void Preparation::compare(Manifest& manifest) {
         } catch (const Failure& failure) {
             const auto frame =
                 node.rate == Rate::frame ? std::optional(frames()[place]) : std::nullopt;
-            unlike_manifest_.push_back(
-                {node.name, node.type->name, frame, failure.what(), failure.kind});
+            unlike_manifest_.push_back(fault_in(node, frame, failure.what(), failure.kind));
         }
     });
 }

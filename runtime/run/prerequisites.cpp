@@ -33,10 +33,12 @@ std::string lack_of(const Pipeline& pipeline, std::size_t n, const Plan& plan, c
             "{} {} of {} are not in the work folder '{}', {}and --wait leaves them to other runs; "
             "run --to {} first",
             what, frames,
-            counted(std::max(share.frames, share.consumed_inputs + share.consumed_digests), "frame"),
+            counted(std::max(share.frames, share.consumed_inputs + share.consumed_digests),
+                    "frame"),
             request.options.work_folder, waited, node.name);
     };
-    if (digests_apart(node) && share.consumed_inputs > 0) return lack("the data of", share.consumed_inputs);
+    if (digests_apart(node) && share.consumed_inputs > 0)
+        return lack("the data of", share.consumed_inputs);
     if (gathers_apart(node) && share.runs > 0) return lack("the results of", share.runs);
     return {};
 }
@@ -46,8 +48,7 @@ std::vector<Fault> missing_in(const Pipeline& pipeline, const Plan& plan,
     std::vector<Fault> out;
     for (std::size_t n = 0; n < shares.size(); ++n)
         if (const auto lack = lack_of(pipeline, n, plan, shares[n], request); !lack.empty())
-            out.push_back({pipeline.nodes[n].name, pipeline.nodes[n].type->name, std::nullopt, lack,
-                           Failure::Kind::input});
+            out.push_back(fault_in(pipeline.nodes[n], std::nullopt, lack, Failure::Kind::input));
     return out;
 }
 

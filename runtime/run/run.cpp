@@ -4,9 +4,9 @@
 #include "formats/file/output_file.h"
 #include "graph/text/json_text.h"
 #include "graph/views/file_places.h"
+#include "runtime/flow/flow.h"
 #include "runtime/keep/history.h"
 #include "runtime/keep/work_folder.h"
-#include "runtime/flow/flow.h"
 #include "runtime/run/conclusions.h"
 #include "runtime/run/preparation.h"
 #include "runtime/run/prerequisites.h"
@@ -47,9 +47,9 @@ void try_outputs(const Pipeline& pipeline, const std::vector<Share>& shares, int
             try {
                 const OutputFile file(spec.path(node.params.get()).at(frame));
             } catch (const Failure& failure) {
-                report.failed({node.name, node.type->name,
-                               node.rate == Rate::frame ? std::optional(frame) : std::nullopt,
-                               failure.what(), failure.kind});
+                report.failed(
+                    fault_in(node, node.rate == Rate::frame ? std::optional(frame) : std::nullopt,
+                             failure.what(), failure.kind));
             }
         }
     }
@@ -112,9 +112,9 @@ bool keeps_what_was_asked(const Pipeline& pipeline, Preparation& prepared,
         if (fault.empty()) fault = prepared.fault_of_contents();
         if (fault.empty())
             fault = "they are not in the work folder; does something clean it? Run again";
-        report.failed({node.name, node.type->name, std::nullopt,
-                       "its results could not be kept for other runs: " + fault,
-                       Failure::Kind::data});
+        report.failed(fault_in(node, std::nullopt,
+                               "its results could not be kept for other runs: " + fault,
+                               Failure::Kind::data));
         return false;
     }
     return true;
@@ -343,12 +343,12 @@ private:
                 return stopped;
             if (attempt == most_attempts) {
                 const auto& node = pipeline_.nodes.front();
-                report_->failed(
-                    {node.name, node.type->name, std::nullopt,
-                     fmt::format("results keep disappearing from the work folder '{}'; does "
-                                 "something clean it? --no-cache runs without it",
-                                 request_.options.work_folder),
-                     Failure::Kind::data});
+                report_->failed(fault_in(
+                    node, std::nullopt,
+                    fmt::format("results keep disappearing from the work folder '{}'; does "
+                                "something clean it? --no-cache runs without it",
+                                request_.options.work_folder),
+                    Failure::Kind::data));
                 return true;
             }
             // The last attempt does not use the cache.

@@ -199,7 +199,7 @@ void StatusFile::write(const int* exit_code) const {
 void StatusFile::record_failure(const std::string& record, const std::string& pipeline,
                                 const std::vector<int>& frames, const Report& report,
                                 int exit_code) {
-    auto about = Json::parse(text_of_own_file(record), nullptr, false);
+    auto about = json_of_own_file(record);
     if (!well_formed(about) || about["pid"] != getpid() || about["host"] != host()) {
         about = {{"pipeline", pipeline}, {"frames", frames}, {"nodes", Json::object()}};
         sign(about);
@@ -236,7 +236,7 @@ std::vector<Json> recorded_runs(const std::string& folder) {
         if (each->path().extension() != ".json" ||
             each->path().filename().string().starts_with('.'))
             continue;
-        auto about = Json::parse(text_of_own_file(each->path()), nullptr, false);
+        auto about = json_of_own_file(each->path());
         if (!well_formed(about)) continue;
         about["state"] = state_of(about);
         about["file"] = each->path().string();

@@ -215,7 +215,8 @@ private:
             for (const auto& pass : schedule.frames)
                 for (std::size_t place = 0; place < pass.size(); ++place) {
                     if (pass[place].results[n] == Action::run) made(n, place);
-                    if (pass[place].consumes[n] == Consume::inputs && digests_apart(pipeline_.nodes[n]))
+                    if (pass[place].consumes[n] == Consume::inputs &&
+                        digests_apart(pipeline_.nodes[n]))
                         digests_[n][place] = step;
                 }
         }

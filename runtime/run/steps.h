@@ -27,7 +27,7 @@ struct RunCost {
 struct RunStep {
     std::string name;                  ///< unique: `seams-energy`, `seams`, `out`
     std::string what;                  ///< what it does, in words
-    RunTarget target;                         ///< what it runs
+    RunTarget target;                  ///< what it runs
     std::vector<std::size_t> needs{};  ///< indices of the steps that it waits for, without those
                                        ///< that one of them waits for
     bool chunked = false;              ///< several runs, each of some frames, make the same as one

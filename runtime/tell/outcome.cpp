@@ -25,8 +25,9 @@ std::string interrupted_text(bool kept) {
 
 bool nothing_to_do(const std::vector<Share>& shares) {
     return std::ranges::any_of(shares, [](const Share& share) { return share.frames > 0; }) &&
-           std::ranges::all_of(
-               shares, [](const Share& share) { return share.runs == 0 && share.consumed_inputs == 0; });
+           std::ranges::all_of(shares, [](const Share& share) {
+               return share.runs == 0 && share.consumed_inputs == 0;
+           });
 }
 
 std::vector<std::string> written_paths(const Pipeline& pipeline, const std::vector<Share>& shares) {

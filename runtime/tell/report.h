@@ -24,6 +24,11 @@ struct Fault {
     std::string message;
     Failure::Kind kind = Failure::Kind::data;
 };
+/// A failure of a node. @param frame  nothing: of the node as a whole
+inline Fault fault_in(const Node& node, std::optional<int> frame, std::string message,
+                      Failure::Kind kind = Failure::Kind::data) {
+    return {node.name, node.type->name, frame, std::move(message), kind};
+}
 /// The failure as a line of text: "spin (energy.vorticity), frame 43: message".
 std::string to_text(const Fault& fault);
 
