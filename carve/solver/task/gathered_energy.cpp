@@ -179,15 +179,18 @@ GatheredEnergy::Taken GatheredEnergy::whole() {
     return {std::move(out), typical};
 }
 
+std::uint64_t GatheredEnergy::left_beside(const EnergyVolume& other, const Limits& limits) const {
+    const auto bytes =
+        other.columns_per_frame() * other.stride() * other.frames() * sizeof(std::uint16_t);
+    const auto all = budget(limits);
+    return bytes > all ? all : all - bytes;
+}
+
 GatheredEnergy::Taken GatheredEnergy::carved(const SolverParams& params, const CarvedSpace& space,
                                              const Limits& limits) {
     auto from = std::move(*energy_);
     const auto& shape = lattices_.front()->shape;
-    const auto held =
-                   from.columns_per_frame() * from.stride() * from.frames() * sizeof(std::uint16_t),
-               all = budget(limits);
-    auto out =
-        room(space.shape(), space.frames().size(), params, limits, held > all ? all : all - held);
+    auto out = room(space.shape(), space.frames().size(), params, limits, left_beside(from, limits));
     for (std::size_t t = 0; t < out.frames(); ++t) {
         const auto first = t * static_cast<std::size_t>(finest_),
                    place = space.place(first) / static_cast<std::size_t>(finest_);
@@ -210,8 +213,7 @@ GatheredEnergy::Taken GatheredEnergy::take_unpriced(const SolverParams& params,
     auto out = space.carved() ? carved(params, space, limits) : whole();
     energy_.reset();
     if (params.axis != Axis::t) return out;
-    const auto held = out.energy.bytes(), all = budget(limits);
-    auto in_time = turned(out.energy, held > all ? 0 : all - held, limits.folder);
+    auto in_time = turned(out.energy, left_beside(out.energy, limits), limits.folder);
     in_time.hand_on_edges();
     in_time.step_freely_in_nothing();
     const auto typical = Typical::of(in_time);

@@ -88,6 +88,8 @@ private:
     /// Bytes of the memory budget for the energies. The field, and the energies without its edges,
     /// may take as much each.
     std::uint64_t budget(const Limits& limits) const { return limits.memory / (forward_ ? 3 : 1); }
+    /// What another volume leaves of the budget. One that is larger than the budget is in a file.
+    std::uint64_t left_beside(const EnergyVolume& other, const Limits& limits) const;
     /// The energy of the whole lattice, repeated in the frames that share it.
     Taken whole();
     /// The energy in the space that earlier seams leave.
