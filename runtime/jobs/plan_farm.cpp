@@ -101,6 +101,20 @@ std::string name_of(const FarmJob& job, const FarmCommand& command,
     return stem + "-" + hash.digest().text().substr(0, digits);
 }
 
+/// A step of a job, without its arguments.
+FarmStep farm_step(const RunStep& step, const std::vector<RunStep>& steps,
+                   const FarmChunking& chunking) {
+    FarmStep out;
+    out.name = step.name;
+    out.what = step.what;
+    out.chunked = step.chunked;
+    for (const auto need : step.needs) out.needs.push_back(steps[need].name);
+    out.tasks = step.chunked ? chunks_of(FrameSet(step.frames), frames_of_task(step, chunking))
+                             : std::vector<FarmTask>(1);
+    out.resources = resources_of(step.cost(out.tasks.front().frames.frames().size()));
+    return out;
+}
+
 }  // namespace
 
 std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& registry,
@@ -134,21 +148,12 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
     std::uint64_t kept = 0;
     std::vector<std::string> unmeasured;
     for (const auto& step : steps) {
-        auto& added = out.steps.emplace_back();
-        added.name = step.name;
-        added.what = step.what;
-        added.chunked = step.chunked;
-        for (const auto need : step.needs) added.needs.push_back(steps[need].name);
-        added.tasks = step.chunked
-                          ? chunks_of(FrameSet(step.frames), frames_of_task(step, chunking))
-                          : std::vector<FarmTask>(1);
-        added.resources = resources_of(step.cost(added.tasks.front().frames.frames().size()));
-        added.arguments = command.pipeline;
-        added.arguments.insert(added.arguments.end(), command.options.begin(),
-                               command.options.end());
-        added.arguments.insert(added.arguments.end(),
-                               {step.target.only ? "--only" : "--to", step.target.to, "--task",
-                                out.name + "/" + step.name});
+        out.steps.push_back(farm_step(step, steps, chunking));
+        auto& arguments = out.steps.back().arguments;
+        arguments = command.pipeline;
+        arguments.insert(arguments.end(), command.options.begin(), command.options.end());
+        arguments.insert(arguments.end(), {step.target.only ? "--only" : "--to", step.target.to,
+                                           "--task", out.name + "/" + step.name});
         const auto whole = step.cost(step.frames.size());
         kept += whole.disk;
         if (step.chunked && !whole.all_measured) unmeasured.push_back(step.name);

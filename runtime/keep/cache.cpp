@@ -95,6 +95,25 @@ void append(std::vector<char>& to, const T& value) {
     to.insert(to.end(), bytes, bytes + sizeof value);
 }
 
+/// Writes outputs one behind the other, and lists them in the header.
+void write_outputs(const Registry& registry, const std::vector<Payload>& outputs, Bytes& body,
+                   Json& header) {
+    std::ostream out(&body);
+    out.exceptions(std::ios::badbit | std::ios::failbit);
+    if (!outputs.empty()) header["outputs"] = Json::array();
+    for (const auto& output : outputs) {
+        if (!output) {
+            header["outputs"].push_back(nullptr);
+            continue;
+        }
+        const auto& type = registry.payload(output.type());
+        const auto begin = body.size();
+        type.write(output, out);
+        header["outputs"].push_back(
+            {{"type", type.name}, {"version", type.version}, {"bytes", body.size() - begin}});
+    }
+}
+
 }  // namespace
 
 Cache::Cache(const Registry& registry, std::string folder, std::size_t packed)
@@ -197,20 +216,7 @@ bool Cache::store(const Key& key, Json header, const std::vector<Payload>& outpu
     if (!fault().empty()) return false;
     try {
         Bytes body;
-        std::ostream out(&body);
-        out.exceptions(std::ios::badbit | std::ios::failbit);
-        if (!outputs.empty()) header["outputs"] = Json::array();
-        for (const auto& output : outputs) {
-            if (!output) {
-                header["outputs"].push_back(nullptr);
-                continue;
-            }
-            const auto& type = registry_.payload(output.type());
-            const auto begin = body.size();
-            type.write(output, out);
-            header["outputs"].push_back(
-                {{"type", type.name}, {"version", type.version}, {"bytes", body.size() - begin}});
-        }
+        write_outputs(registry_, outputs, body, header);
         const auto text = json_text(header);
         std::vector<char> head(entry_magic.begin(), entry_magic.end()), seal;
         append(head, static_cast<std::uint64_t>(text.size()));

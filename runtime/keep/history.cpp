@@ -327,6 +327,20 @@ void History::save() const {
     }
 }
 
+namespace {
+
+/// Why the results of a node that did not change are not there.
+/// @param users  nodes that read them and run
+std::string why_lost(const Pipeline& pipeline, std::size_t n,
+                     const std::vector<std::string>& users) {
+    const auto& node = pipeline.nodes[n];
+    if (node.kept && pipeline.writes(n)) return "its files are missing, or not as it wrote them";
+    if (node.kept) return "was not finished, or is no longer kept";
+    return users.empty() ? "its results are not kept" : "for " + listed(users, users.size());
+}
+
+}  // namespace
+
 std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares,
                                  const History& history, const Dependencies& dependencies,
                                  const std::function<NodeNow(std::size_t node)>& now) {
@@ -354,7 +368,6 @@ std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Sha
     const auto readers = readers_of(pipeline);
     std::vector<std::string> out(count);
     for (std::size_t n = 0; n < count; ++n) {
-        const auto& node = pipeline.nodes[n];
         if (shares[n].runs == 0 && shares[n].consumed_inputs == 0) continue;
         std::vector<std::string> users;
         for (const auto user : readers[n])
@@ -367,11 +380,7 @@ std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Sha
         if (!history.on()) out[n] = "nothing is kept";
         else if (!causes.empty()) out[n] = fmt::format("{}", fmt::join(causes, "; "));
         else if (fresh[n]) out[n] = "never run";
-        else if (node.kept && pipeline.writes(n))
-            out[n] = "its files are missing, or not as it wrote them";
-        else if (!node.kept && !users.empty()) out[n] = "for " + listed(users, users.size());
-        else if (!node.kept) out[n] = "its results are not kept";
-        else out[n] = "was not finished, or is no longer kept";
+        else out[n] = why_lost(pipeline, n, users);
     }
     return out;
 }

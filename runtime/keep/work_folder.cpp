@@ -240,7 +240,7 @@ std::vector<fs::path> WorkFolder::outdated() const {
     return out;
 }
 
-WorkFolder::Cleaned WorkFolder::clean(const Wish& wish) const {
+std::vector<fs::path> WorkFolder::own_files() const {
     const fs::path root = path_;
     std::vector<fs::path> ours;
     for (const auto& [file, used, size] : entries())
@@ -259,39 +259,51 @@ WorkFolder::Cleaned WorkFolder::clean(const Wish& wish) const {
                 for (auto& file : files_of_job(job.path())) ours.push_back(std::move(file));
     for (const auto* const part : parts)
         for (const auto& file : temporary_files(root / part)) ours.push_back(file);
-
     std::ranges::sort(ours);
     ours.erase(std::unique(ours.begin(), ours.end()), ours.end());
-    Cleaned out;
+    return ours;
+}
+
+std::size_t WorkFolder::count_files() const {
+    const fs::path root = path_;
     std::error_code error, ignored;
-    std::size_t all = 0;
+    std::size_t out = 0;
     for (fs::recursive_directory_iterator each(root, error), end; !error && each != end;
          each.increment(error))
-        all += !each->is_directory(ignored) && each->path() != root / mark_name ? 1 : 0;
-    // Else the mark would go, though there may be more files.
+        out += !each->is_directory(ignored) && each->path() != root / mark_name ? 1 : 0;
     if (error && error != std::errc::no_such_file_or_directory)
         throw Failure(fmt::format("cannot look through {}: {}", path_, error.message()));
+    return out;
+}
+
+WorkFolder::Cleaned WorkFolder::clean(const Cleaning& cleaning) const {
+    const fs::path root = path_;
+    const auto ours = own_files();
+    // Before anything is removed: else the mark would go, though there may be more files.
+    const auto all = count_files();
+    Cleaned out;
+    std::error_code error, ignored;
     for (const auto& file : ours) {
-        if (wish.shot && made_for(file, root) != *wish.shot) {
+        if (cleaning.shot && made_for(file, root) != *cleaning.shot) {
             ++out.apart;
             continue;
         }
-        if (wish.older && !older(file, *wish.older)) {
+        if (cleaning.older && !older(file, *cleaning.older)) {
             ++out.kept;
             continue;
         }
         const auto bytes = fs::file_size(file, ignored);
-        if (!wish.dry_run && !fs::remove(file, error)) {
+        if (!cleaning.dry_run && !fs::remove(file, error)) {
             if (error)
                 throw Failure(fmt::format("cannot remove {}: {}", file.string(), error.message()));
             continue;  // another process removed it
         }
         ++out.removed;
         out.bytes += bytes == static_cast<std::uintmax_t>(-1) ? 0 : bytes;
-        if (!wish.dry_run) fs::remove(file.parent_path(), ignored);  // if it is empty
+        if (!cleaning.dry_run) fs::remove(file.parent_path(), ignored);  // if it is empty
     }
     out.left = all - std::min(all, ours.size());
-    if (wish.dry_run) return out;
+    if (cleaning.dry_run) return out;
     for (const auto* const part : parts)
         if (!fs::is_symlink(root / part, ignored)) fs::remove(root / part, ignored);
     if (out.left + out.kept + out.apart == 0) {

@@ -47,7 +47,7 @@ public:
     static bool is_entry(const std::filesystem::path& file);
 
     /// What `clean` is to remove.
-    struct Wish {
+    struct Cleaning {
         /// Only what was not used for so long; nothing: all.
         std::optional<std::chrono::seconds> older{};
         bool dry_run = false;  ///< only counts
@@ -64,9 +64,14 @@ public:
     };
     /// Removes files that fluidcarve wrote, and folders that are then empty.
     /// @throws Failure if one can't be removed
-    Cleaned clean(const Wish& wish) const;
+    Cleaned clean(const Cleaning& cleaning) const;
 
 private:
+    /// All files that fluidcarve wrote, sorted.
+    std::vector<std::filesystem::path> own_files() const;
+    /// Number of all files but the mark. @throws Failure if a folder can't be read
+    std::size_t count_files() const;
+
     std::string path_;
 };
 

@@ -78,6 +78,101 @@ std::vector<Target> targets_of(const RunTarget& wanted, const Pipeline& pipeline
     return out;
 }
 
+/// Makes a Plan.
+class Planner {
+public:
+    Planner(const Pipeline& pipeline, const RunTarget& wanted)
+        : pipeline_(pipeline), count_(pipeline.nodes.size()), ready_(count_, 0) {
+        out_.targets.assign(count_, false);
+        out_.in_sequence.assign(count_, false);
+        out_.gathered_in.assign(count_, 0);
+        out_.digested.assign(count_, false);
+        find_targets(wanted);
+    }
+
+    Plan make() {
+        make_passes();
+        for (std::size_t n = 0; n < count_; ++n)
+            if (out_.needed[n]) place(n);
+        for (auto& pass : out_.passes) find_per_frame(pass);
+        return std::move(out_);
+    }
+
+private:
+    void find_targets(const RunTarget& wanted) {
+        auto targets = pipeline_.leaves();
+        if (!wanted.to.empty()) {
+            std::string fault;
+            targets.clear();
+            for (const auto& target : targets_of(wanted, pipeline_, fault)) {
+                targets.push_back(target.node);
+                out_.digested[target.node] = target.digests;
+            }
+        }
+        if (!wanted.from.empty())
+            std::erase_if(targets,
+                          [after = downstream_of(pipeline_, index_of(pipeline_, wanted.from))](
+                              std::size_t n) { return !after[n]; });
+        out_.needed = pipeline_.upstream_of(targets);
+        for (const auto n : targets) out_.targets[n] = !out_.digested[n];
+    }
+
+    /// Finds in which passes nodes can run, and how many passes there are.
+    void make_passes() {
+        std::size_t passes = 0;
+        for (std::size_t n = 0; n < count_; ++n) {
+            const auto& node = pipeline_.nodes[n];
+            for (const auto& links : node.inputs)
+                for (const auto& link : links) ready_[n] = std::max(ready_[n], ready_[link.node]);
+            out_.gathered_in[n] = ready_[n];
+            if (node.streams_in()) ++ready_[n];
+            if (out_.needed[n])
+                passes = std::max(passes, node.streams_in() ? out_.gathered_in[n] + 1 : ready_[n]);
+            if (out_.targets[n] && node.rate == Rate::frame)
+                passes = std::max(passes, ready_[n] + 1);
+        }
+        out_.passes.resize(passes);
+    }
+
+    /// Enters a node in the passes in which it gathers, delivers, or runs once.
+    void place(std::size_t n) {
+        const auto& node = pipeline_.nodes[n];
+        if (node.streams_in()) {
+            auto& pass = out_.passes[out_.gathered_in[n]];
+            pass.gathering.push_back(n);
+            pass.gathering_needs.emplace_back(count_, false);
+            mark_upstream(pipeline_, n, pass.gathering_needs.back());
+        }
+        if (node.rate == Rate::frame) {
+            if (out_.targets[n]) out_.passes[ready_[n]].delivers.push_back(n);
+        } else if (!node.streams_in()) {
+            const bool in_pass = ready_[n] < out_.passes.size();
+            (in_pass ? out_.passes[ready_[n]].before : out_.after).push_back(n);
+        }
+    }
+
+    /// Finds the nodes of a pass that run per frame, and those that a gathering node needs.
+    void find_per_frame(Pass& pass) {
+        std::vector<bool> runs(count_, false);
+        for (const auto n : pass.delivers) {
+            runs[n] = true;
+            if (!pipeline_.nodes[n].retimes()) mark_upstream(pipeline_, n, runs);
+        }
+        for (const auto& needs : pass.gathering_needs)
+            for (std::size_t n = 0; n < count_; ++n)
+                if (needs[n]) runs[n] = out_.in_sequence[n] = true;
+        for (std::size_t n = 0; n < count_; ++n)
+            if (runs[n]) pass.per_frame.push_back(n);
+    }
+
+    const Pipeline& pipeline_;
+    const std::size_t count_;
+    /// Per node: the first pass in which it can run per frame. What it makes once is there before
+    /// that pass.
+    std::vector<std::size_t> ready_;
+    Plan out_;
+};
+
 }  // namespace
 
 bool digests_apart(const Node& node) {
@@ -105,72 +200,7 @@ std::string fault_of(const RunTarget& wanted, const Pipeline& pipeline) {
 }
 
 Plan make_plan(const Pipeline& pipeline, const RunTarget& wanted) {
-    const auto count = pipeline.nodes.size();
-    std::vector<std::size_t> targets = pipeline.leaves();
-    Plan out;
-    out.targets.assign(count, false);
-    out.in_sequence.assign(count, false);
-    out.gathered_in.assign(count, 0);
-    out.digested.assign(count, false);
-    if (!wanted.to.empty()) {
-        std::string fault;
-        targets.clear();
-        for (const auto& target : targets_of(wanted, pipeline, fault)) {
-            targets.push_back(target.node);
-            out.digested[target.node] = target.digests;
-        }
-    }
-    if (!wanted.from.empty())
-        std::erase_if(targets, [after = downstream_of(pipeline, index_of(pipeline, wanted.from))](
-                                   std::size_t n) { return !after[n]; });
-    out.needed = pipeline.upstream_of(targets);
-
-    // `ready[n]`: the first pass in which n can run per frame; outputs that n makes once are
-    // available before that pass.
-    std::vector<std::size_t> ready(count, 0);
-    std::size_t passes = 0;
-    for (std::size_t n = 0; n < count; ++n) {
-        const auto& node = pipeline.nodes[n];
-        for (const auto& links : node.inputs)
-            for (const auto& link : links) ready[n] = std::max(ready[n], ready[link.node]);
-        out.gathered_in[n] = ready[n];
-        if (node.streams_in()) ++ready[n];
-        if (out.needed[n])
-            passes = std::max(passes, node.streams_in() ? out.gathered_in[n] + 1 : ready[n]);
-    }
-    for (const auto n : targets) out.targets[n] = !out.digested[n];
-    for (const auto n : targets)
-        if (out.targets[n] && pipeline.nodes[n].rate == Rate::frame)
-            passes = std::max(passes, ready[n] + 1);
-    out.passes.resize(passes);
-    for (std::size_t n = 0; n < count; ++n) {
-        if (!out.needed[n]) continue;
-        const auto& node = pipeline.nodes[n];
-        if (node.streams_in()) {
-            auto& pass = out.passes[out.gathered_in[n]];
-            pass.gathering.push_back(n);
-            pass.gathering_needs.emplace_back(count, false);
-            mark_upstream(pipeline, n, pass.gathering_needs.back());
-        }
-        if (node.rate == Rate::frame) {
-            if (out.targets[n]) out.passes[ready[n]].delivers.push_back(n);
-        } else if (!node.streams_in()) {
-            (ready[n] < passes ? out.passes[ready[n]].before : out.after).push_back(n);
-        }
-    }
-    for (auto& pass : out.passes) {
-        auto flags = std::vector<bool>(count, false);
-        for (const auto n : pass.delivers) {
-            flags[n] = true;
-            if (!pipeline.nodes[n].retimes()) mark_upstream(pipeline, n, flags);
-        }
-        for (const auto& needs : pass.gathering_needs)
-            for (std::size_t n = 0; n < count; ++n)
-                if (needs[n]) flags[n] = out.in_sequence[n] = true;
-        for (std::size_t n = 0; n < count; ++n)
-            if (flags[n]) pass.per_frame.push_back(n);
-    }
-    return out;
+    return Planner(pipeline, wanted).make();
 }
 
 }  // namespace fluidcarve

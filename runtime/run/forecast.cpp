@@ -66,7 +66,8 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
         const auto& node = pipeline.nodes[n];
         if (share.frames == 0) continue;
         out.lines.push_back({node.name, node.type->name, share.frames, share.frames - share.runs,
-                             why[n], share.consumed_inputs + share.consumed_digests, share.consumed_digests,
+                             why[n], share.consumed_inputs + share.consumed_digests,
+                             share.consumed_digests,
                              node.type->growth ? node.type->growth->item : ""});
         const auto& cost = out.expected[n];
         bool known = true;
@@ -88,8 +89,8 @@ std::uint64_t memory_of(const Node& node, const NodeCost& cost, const NodeWork& 
     // Outputs per frame exist once per frame in flight. Digests exist until the gathering node finishes,
     // for all frames.
     const auto bytes = cost.bytes > 0 ? cost.bytes : input_bytes;
-    const auto in_flight =
-        std::min(static_cast<std::size_t>(options.in_flight), std::max(work.runs, work.consumed_inputs));
+    const auto in_flight = std::min(static_cast<std::size_t>(options.in_flight),
+                                    std::max(work.runs, work.consumed_inputs));
     return work.once && node.type->digest != typeid(void) && node.rate != Rate::frame
                ? std::min(options.memory, bytes * (work.consumed_inputs + work.consumed_digests))
                : bytes * std::max<std::size_t>(1, in_flight);

@@ -60,9 +60,9 @@ struct CleanArguments {
 int clean(const CleanArguments& arguments) {
     const auto& [path, older, shot, dry_run] = arguments;
     const WorkFolder folder(path);
-    WorkFolder::Wish wish{older.empty() ? std::nullopt : age_of(older), dry_run,
-                          shot.empty() ? std::nullopt : std::optional(shot)};
-    if (!older.empty() && !wish.older)
+    WorkFolder::Cleaning cleaning{older.empty() ? std::nullopt : age_of(older), dry_run,
+                                  shot.empty() ? std::nullopt : std::optional(shot)};
+    if (!older.empty() && !cleaning.older)
         return complain(fmt::format("--older: '{}' is no age such as 7d, 12h, 30m or 2w\n", older)),
                exit_code::usage;
     if (const auto fault = folder.unread(); !fault.empty())
@@ -70,7 +70,7 @@ int clean(const CleanArguments& arguments) {
     if (const auto fault = folder.fault(); !fault.empty())
         return complain(fmt::format("cannot clean: {}\n", fault)), exit_code::usage;
     try {
-        const auto cleaned = folder.clean(wish);
+        const auto cleaned = folder.clean(cleaning);
         const auto stay = [](std::size_t count, const char* why) {
             return count == 0 ? std::string()
                               : fmt::format("; {} {} {}", count,

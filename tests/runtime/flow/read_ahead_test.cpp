@@ -79,9 +79,9 @@ TEST_CASE("files of the next frames are read before these begin, and none farthe
         return;
     }
     const auto& p = files.paths;
-    ReadAhead ahead({{{p[0]}, {p[1], "/none/such"}, {p[2]}, {p[3], p[4]}, {p[5]}},
-                     {{}, {}, {}, {}, {}}},
-                    2, std::uint64_t{1} << 30);
+    ReadAhead ahead(
+        {{{p[0]}, {p[1], "/none/such"}, {p[2]}, {p[3], p[4]}, {p[5]}}, {{}, {}, {}, {}, {}}}, 2,
+        std::uint64_t{1} << 30);
     ahead.begin(0);
     CHECK(eventually([&] { return held(p[0]) == 1 && held(p[1]) == 1 && held(p[2]) == 1; }));
     CHECK(held(p[3]) == 0);

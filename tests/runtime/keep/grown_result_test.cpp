@@ -104,7 +104,7 @@ TEST_CASE("a kept result makes way for a larger one, and a part for the whole") 
 TEST_CASE("a result is cut with its report entry and the warnings that depend on the count") {
     const Payload all(std::make_shared<toy::Text>(toy::Text{"9 4 1 "}));
     const NodeLog of_all{{"a small number", "3 numbers"},
-                      {{"tops", Json::parse(R"({"steps":["9","4","1"]})")}}};
+                         {{"tops", Json::parse(R"({"steps":["9","4","1"]})")}}};
     const auto cut_to = [&](int count) {
         auto result = all;
         auto log = of_all;

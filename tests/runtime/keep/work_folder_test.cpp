@@ -93,13 +93,13 @@ TEST_CASE(
         fs::last_write_time(entries[n].path,
                             fs::file_time_type::clock::now() - std::chrono::hours(24 * 8));
     const auto before = texts_of(work);
-    WorkFolder::Wish wish{std::chrono::hours(24 * 7), true};
-    auto cleaned = WorkFolder(work).clean(wish);
+    WorkFolder::Cleaning cleaning{std::chrono::hours(24 * 7), true};
+    auto cleaned = WorkFolder(work).clean(cleaning);
     CHECK(cleaned.removed == 3);
     CHECK(cleaned.kept == 1);
     CHECK(texts_of(work) == before);
-    wish.dry_run = false;
-    cleaned = WorkFolder(work).clean(wish);
+    cleaning.dry_run = false;
+    cleaned = WorkFolder(work).clean(cleaning);
     CHECK(cleaned.removed == 3);
     CHECK(cleaned.left == 0);
     CHECK(WorkFolder(work).entries().size() == 1);

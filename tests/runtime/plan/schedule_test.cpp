@@ -33,7 +33,8 @@ std::string text(const Schedule& schedule, const Pipeline& pipeline) {
                                    name);
                 if (frame.consumes[n] != Schedule::Consume::none)
                     does.push_back(
-                        (frame.consumes[n] == Schedule::Consume::inputs ? "into " : "kept into ") + name);
+                        (frame.consumes[n] == Schedule::Consume::inputs ? "into " : "kept into ") +
+                        name);
             }
             CHECK(frame.empty() == does.empty());
             if (!does.empty())
