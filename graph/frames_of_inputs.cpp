@@ -107,7 +107,7 @@ void note_old_files(Pipeline& pipeline) {
                 if (spec.shape.kind == Shape::Kind::output_path)
                     look_at(spec.path(node.params.get()), node.frames);
             } catch (const Failure&) {
-                // A folder that can't be read is told when something is written to it.
+                // An unreadable folder is reported when a file is written to it.
             }
 }
 
