@@ -18,7 +18,7 @@ struct Said {
 
 /// {"warnings"?, "report"?}: the header of a cache entry begins so.
 nlohmann::ordered_json to_json(const Said& said);
-/// What the header of a cache entry holds of it.
+/// The warnings and report entries in the header of a cache entry.
 Said said_in(const nlohmann::ordered_json& header);
 
 }  // namespace fluidcarve

@@ -55,14 +55,14 @@ std::vector<fs::path> files_in(const fs::path& folder, int depth) {
     return out;
 }
 
-/// Files that are named by a key (Key::path), which no temporary one is.
+/// Files named by a key (Key::path); temporary files are not.
 std::vector<fs::path> hashed_files(const fs::path& folder) {
     auto out = files_in(folder, 1);
     std::erase_if(out, [](const fs::path& file) { return !is_hex(file.filename().string(), 30); });
     return out;
 }
 
-/// Files that are named as packs are.
+/// Files with the name of a pack.
 std::vector<fs::path> pack_files(const fs::path& folder) {
     auto out = files_in(folder, 0);
     std::erase_if(out,
@@ -100,8 +100,8 @@ bool is_record(const fs::path& file, bool run) {
     });
 }
 
-/// What fluidcarve wrote into the folder of a farm's job: what its tasks say, logs of the local
-/// engine, which begin with a command, and the job, which comes last.
+/// Files that fluidcarve wrote into the folder of a farm's job: records of its tasks, logs of the
+/// local engine, which begin with a command, and the job, which comes last.
 std::vector<fs::path> files_of_job(const fs::path& folder) {
     std::vector<fs::path> out;
     for (const auto& file : files_in(folder / "tasks", 0))
@@ -267,7 +267,7 @@ WorkFolder::Cleaned WorkFolder::clean(const Wish& wish) const {
     for (fs::recursive_directory_iterator each(root, error), end; !error && each != end;
          each.increment(error))
         all += !each->is_directory(ignored) && each->path() != root / mark_name ? 1 : 0;
-    // Else the mark would go, though there may be more files.
+    // Else the mark would be removed, though more files may remain.
     if (error && error != std::errc::no_such_file_or_directory)
         throw Failure(fmt::format("cannot look through {}: {}", path_, error.message()));
     for (const auto& file : ours) {

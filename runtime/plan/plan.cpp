@@ -12,8 +12,8 @@
 namespace fluidcarve {
 namespace {
 
-/// Marks in `flags` the per-frame nodes that `node` needs in its pass. One that retimes has taken
-/// all its frames in an earlier pass.
+/// Marks in `flags` the per-frame nodes that `node` needs in its pass. A node that retimes has
+/// taken all its frames in an earlier pass.
 void mark_upstream(const Pipeline& pipeline, std::size_t node, std::vector<bool>& flags) {
     for (const auto& links : pipeline.nodes[node].inputs)
         for (const auto& link : links)
@@ -67,7 +67,7 @@ std::optional<Target> target_of(const std::string& to, const char* option, const
 }
 
 /// The targets that a wish names.
-/// @param fault  set to what is wrong with the first that can't be one
+/// @param fault  set to the fault of the first name that can't be a target
 std::vector<Target> targets_of(const Wish& wish, const Pipeline& pipeline, std::string& fault) {
     std::vector<Target> out;
     std::istringstream names(wish.to);

@@ -4,8 +4,8 @@
 
 namespace fluidcarve {
 
-/// Ends what still runs in a graph when a scope is left, by an exception, too. To be declared
-/// behind the graph's nodes, which go before the graph does.
+/// Cancels a graph and waits for its tasks when a scope is left, also by an exception. Declare it
+/// after the graph's nodes, which are destroyed before the graph.
 class EndOfGraph {
 public:
     explicit EndOfGraph(tbb::flow::graph& graph) : graph_(graph) {}

@@ -22,7 +22,7 @@ class Flow {
 public:
     /// @param store      cached results of former runs; receives those of this run
     /// @param guard      watches the input files
-    /// @param costs      receives what each node's work takes
+    /// @param costs      receives the cost of each node's work
     /// @param profile    may be null
     /// @param cancelled  called often; true: stop
     Flow(const Pipeline& pipeline, const Registry& registry, const Timelines& timelines,

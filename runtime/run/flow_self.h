@@ -38,10 +38,10 @@ struct Flow::Self {
         WorkTimes::Span span;
         std::atomic<double> fraction{0};  ///< of the work of `finish`
         Extent found{},
-            before{};  ///< of a growing result: what is kept, and what an earlier run had found
+            before{};  ///< of a growing result: its kept extent, and its extent in an earlier run
         std::mutex mutex;
         Said said;
-        bool grows = false;  ///< `hold` caches what there is of a growing result
+        bool grows = false;  ///< `hold` caches the present part of a growing result
         Clock::time_point next_hold{};
 
         bool cancelled() const override { return run.cancelled(); }
@@ -111,7 +111,7 @@ struct Flow::Self {
     std::vector<std::size_t> gathered = std::vector<std::size_t>(pipeline.nodes.size());
     std::vector<std::vector<Payload>> held = std::vector<std::vector<Payload>>(
         pipeline.nodes.size());  ///< `[node][output]`: outputs of nodes that run once
-    /// Per node: those that may still read what it holds.
+    /// Per node: nodes that may still read its held outputs.
     std::vector<std::set<std::size_t>> readers = io.readers();
     std::atomic<bool> failed{false};        ///< a body failed
     std::atomic<bool> fatal{false};         ///< the failure ends the run even with `keep_going`
@@ -121,7 +121,7 @@ struct Flow::Self {
 
     bool stopped() const { return cancelled() || fatal || lost || (failed && !options.keep_going); }
 
-    /// Whether a node makes its outputs of a frame, and does not take the frame.
+    /// Whether a node makes its outputs of a frame, instead of taking the frame.
     static bool delivers(std::size_t n, const FrameRun* frame) {
         return frame && frame->scheduled.results[n] == Action::run;
     }
@@ -179,7 +179,7 @@ struct Flow::Self {
             });
     }
 
-    /// Reports the end of a body that is called once, and keeps what it held. A failure there ends
+    /// Reports the end of a body that is called once, and caches its outputs. A failure there ends
     /// the run.
     void end_once(Line& line, std::size_t step, bool good, bool delivers) {
         const auto n = line.node;
@@ -191,8 +191,8 @@ struct Flow::Self {
         if (good) progress.done(step, share, std::nullopt);
     }
 
-    /// Adds what a body that is called once took. One that was stopped counts by the share of its
-    /// work that it had done.
+    /// Adds the cost of a body that is called once. A stopped body counts by the share of its work
+    /// that it had done.
     void add_cost_once(Line& line, double seconds, bool good) {
         constexpr double least = 0.05;
         const double done = good ? 1 : line.fraction.load();
@@ -208,7 +208,7 @@ struct Flow::Self {
         costs.add(line.node, Work::once, seconds / done, at);
     }
 
-    /// Adds what a call for one frame took, if it was good.
+    /// Adds the cost of a call for one frame, if it succeeded.
     /// @return its share of the run's wall time
     double add_cost(WorkTimes::Span& span, std::size_t n, Work work, bool good = true) {
         const auto share = span.end();
@@ -220,7 +220,7 @@ struct Flow::Self {
         return share;
     }
 
-    /// Whether a frame can't be run: a node before failed there, or the run was cancelled.
+    /// Whether a frame can't be run: a node upstream failed there, or the run was cancelled.
     bool hopeless(std::size_t n, const FrameRun& frame, const Wiring& wiring) const {
         return wiring.failed_before(n, frame) || cancelled();
     }
@@ -282,7 +282,7 @@ struct Flow::Self {
         end_once(line, *steps[n].finish, good, delivers);
     }
 
-    /// Whether the cache takes an output, or one of `by` that works.
+    /// Whether an output is needed: by the cache, or by a node of `by` that works.
     bool wanted(std::size_t n, std::string_view output, const auto& by, const auto& works) const {
         if (pipeline.nodes[n].kept && options.cache) return true;
         return std::any_of(by.begin(), by.end(), [&](std::size_t reader) {
@@ -290,7 +290,7 @@ struct Flow::Self {
         });
     }
 
-    /// @param target  whether the run is for this node's outputs
+    /// @param target  whether this node's outputs are a target of the run
     void once(std::size_t n, bool target) {
         const auto& node = pipeline.nodes[n];
         const auto& behaviour = behaviours[n];
