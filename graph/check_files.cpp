@@ -103,7 +103,7 @@ void PipelineBuilder::check_written(const FrameSet& frames) {
         for (const auto& spec : reader.node.type->params) {
             if (!spec.written || !reader.node.params) continue;
             for (const auto& [name, path] : spec.written(reader.node.params.get())) {
-                // What nodes with faults write is not known.
+                // The files of nodes with faults are unknown.
                 bool found = nodes_.size() < known_.size();
                 std::vector<std::string> all;
                 for (const auto& writer : nodes_)

@@ -91,8 +91,8 @@ public:
         return out;
     }
 
-    /// Reads a text and merges it over the files that it extends. Returns a map even if it is no
-    /// pipeline.
+    /// Reads a text and merges it over the files that it extends. Returns a map even if it is not
+    /// a pipeline.
     Value load(const std::shared_ptr<const Source>& source, const Mark& from) {
         Value nothing;
         nothing.kind = Value::Kind::map;
@@ -134,8 +134,8 @@ public:
     std::vector<Mark> sources;  ///< the files read so far
 
 private:
-    /// Whether an extended file is a pipeline: it says so, or it extends another and has only a
-    /// pipeline's fields.
+    /// Whether an extended file is a pipeline: it states a version, or it extends another file and
+    /// has only a pipeline's fields.
     static bool is_pipeline(const Value& root) {
         if (const auto* const version = root.find("fluidcarve")) return version->value.text == "1";
         return root.find("extends") &&
@@ -188,7 +188,7 @@ private:
                     fmt::format("a pipeline has no field '{}'{}", field.name,
                                 did_you_mean(field.name, names_of(top_fields))));
         const auto* const version = root.find("fluidcarve");
-        // One that extends another may leave the version to that.
+        // A file that extends another may leave the version to that file.
         if (!version && !root.find("extends"))
             add(problems_, root.mark,
                 "the format version is missing: the file must state 'fluidcarve: 1'");

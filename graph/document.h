@@ -33,11 +33,11 @@ struct Document {
 /// @param settings  the command line's `--set` texts: `node.field=value`, `param=value`, or
 ///   `frames=value`
 /// @param problems  receives all faults of the text
-/// @param open      whether params may have no value, as those of a template that shots extend:
-///   what they would fill is not checked
+/// @param open      whether params may have no value, as in a template that shots extend; values
+///   that use such params are not checked
 Document read_document(const std::string& path, const std::vector<std::string>& settings,
                        Problems& problems, bool open = false);
-/// The same of a text that is no file. Its name is that of the document.
+/// The same for a text that is not a file. The document has the text's name.
 Document read_document(const std::shared_ptr<const Source>& text,
                        const std::vector<std::string>& settings, Problems& problems);
 

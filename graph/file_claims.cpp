@@ -60,7 +60,7 @@ private:
     const fs::path& resolved_folder(const fs::path& file) {
         auto [found, fresh] = resolved_.try_emplace(file.parent_path().string());
         std::error_code error;
-        // Of folders that are not there, `a/.` would stay `a/`.
+        // If the folder does not exist, `a/.` would stay `a/`.
         if (fresh)
             found->second =
                 (fs::weakly_canonical(fs::absolute(file, error).parent_path(), error) / "")
@@ -68,7 +68,7 @@ private:
         return found->second;
     }
 
-    /// What a link leads to, without links.
+    /// The target of a link, without links.
     fs::path followed(fs::path file) {
         constexpr int most_links = 40;  // as in Linux; more of them are a circle
         std::error_code error;
@@ -77,12 +77,12 @@ private:
         return resolved_folder(file) / file.filename();
     }
 
-    /// Per claim that reads: what those of its files lead to that are links.
+    /// Per reading claim: the targets of its files that are links.
     Targets link_targets() {
         Targets out;
         for (std::size_t n = 0; n < claims_.size(); ++n) {
             if (claims_[n].writes) continue;
-            // A folder is listed once, where asking for each frame would take a call each.
+            // A folder is listed once, instead of one call per frame.
             const bool list = names_[n] && claims_[n].path.per_frame();
             if (list &&
                 links_in(fs::path(claims_[n].path.at(frames_.front())).parent_path()).empty())

@@ -14,10 +14,10 @@ struct FileClaim {
     bool writes = false;
 };
 
-/// Which claim writes over a file of an earlier one. A file is the same by whatever path: through
-/// dots or links, and so is what a link leads to that is read.
-/// @return per claim: the earliest with one of its files; nothing if there is none, or it only
-///   reads
+/// Finds claims that write over a file of an earlier claim. Paths that lead to one file through
+/// dots or links count as equal, and so does the target of a link that is read.
+/// @return per claim: the earliest claim with one of its files; nothing if there is none, or the
+///   claim only reads
 std::vector<std::optional<std::size_t>> overwritten(const std::vector<FileClaim>& claims,
                                                     const std::vector<int>& frames);
 

@@ -106,7 +106,7 @@ void note_old_files(Pipeline& pipeline) {
                 if (!node.params) continue;  // a node with faults
                 if (spec.writes_file()) look_at(spec.path(node.params.get()), node.frames);
             } catch (const Failure&) {
-                // A folder that can't be read is told when something is written to it.
+                // An unreadable folder is reported when a file is written to it.
             }
 }
 

@@ -18,23 +18,22 @@ struct FramedInput {
     Mark mark;  ///< of the path
 };
 
-/// What `frames: auto` stands for: the frames that all inputs have. Lists folders, and opens no
-/// file.
+/// The value of `frames: auto`: the frames that all inputs have. Lists folders, but opens no file.
 /// @param frames  the place of `auto`
 /// @return nothing if a problem was added, or an input leads out of --confine, which is a problem
 ///   of its own
 std::optional<FrameSet> frames_of_inputs(const std::vector<FramedInput>& inputs, const Mark& frames,
                                          Problems& problems);
 
-/// Which frames are missing between others, in words; empty if none is, or if all are equally far
-/// apart, as on twos.
+/// Which frames are missing between others, in words; empty if none is missing, or if all are
+/// evenly spaced, as on twos.
 std::string holes_in(const FrameSet& frames);
 
-/// Names files that look like frames of an input and are left out; empty: there are none.
+/// A note naming files that look like frames of an input, but are not; empty if there are none.
 std::string note_on_odd_frames(const PathPattern& input);
 
-/// Adds to a pipeline's notes the files of outputs that its sequence does not write, as those of an
-/// earlier run.
+/// Adds notes to a pipeline about output files that its sequence does not write, such as those of
+/// an earlier run.
 void note_old_files(Pipeline& pipeline);
 
 }  // namespace fluidcarve

@@ -17,7 +17,7 @@ public:
     const NodeType* of(const Value& node) {
         const auto* const name = node.find("type");
         const auto* const named = name ? registry_.node(name->value.text) : nullptr;
-        // Connections in a circle are told by others.
+        // Cycles of connections are reported elsewhere.
         if (!named || named->kinds.empty() || left_ == 0) return named;
         --left_;
         for (const auto& [input, payload, type] : named->kinds)
@@ -28,7 +28,7 @@ public:
     }
 
 private:
-    /// What `node` or `node.output` gives; nothing if that is not known from declarations.
+    /// The payload type of `node` or `node.output`; nothing if declarations do not tell it.
     std::optional<std::type_index> payload_of(const Value& reference) {
         if (reference.kind != Value::Kind::scalar) return std::nullopt;
         const auto dot = reference.text.find('.');
@@ -43,7 +43,7 @@ private:
 
     const Document& document_;
     const Registry& registry_;
-    std::size_t left_;  ///< nodes on the way, at most all
+    std::size_t left_;  ///< nodes that may still be followed
 };
 
 }  // namespace

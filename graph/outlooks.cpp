@@ -7,13 +7,13 @@
 namespace fluidcarve {
 namespace {
 
-/// What is known of all outputs, by node and output.
+/// Facts about all outputs, by node and output.
 struct Known {
     std::map<std::pair<std::size_t, std::size_t>, Region> regions;
     std::map<std::size_t, OutputFacts> facts;  ///< by node
 };
 
-/// What one node knows of its inputs, and states of its outputs.
+/// The facts that one node gets about its inputs, and states about its outputs.
 class OutlookOf : public Outlook {
 public:
     OutlookOf(std::size_t index, const Pipeline& pipeline, const Known& known, Outlooks& said)
@@ -49,8 +49,8 @@ public:
     void warn(const std::string& message) override { said_.warnings.push_back({index_, message}); }
     void fault(const std::string& message) override { said_.faults.push_back({index_, message}); }
 
-    /// Says that the outputs lie where all connected inputs lie together, if there are any and all
-    /// are known.
+    /// Sets the outputs' region to the union of all connected inputs' regions, if there are any
+    /// and all are known.
     void pass_on() {
         Region all;
         for (const auto& [name, input] : inputs_) {

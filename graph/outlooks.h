@@ -23,8 +23,8 @@ struct Outlooks {
 /// Where outputs of readers lie, by node and name.
 using ReadRegions = std::map<std::size_t, std::map<std::string, Region>>;
 
-/// Calls the `foresee` of each node, and follows through the pipeline what they and the readers
-/// say. Opens no files.
+/// Calls the `foresee` of each node, and passes what nodes and readers say down the pipeline.
+/// Opens no files.
 /// @param needed  per node: whether the run needs it
 /// @param read    empty: no file is known yet
 Outlooks foresee(const Pipeline& pipeline, const std::vector<bool>& needed,

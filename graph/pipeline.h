@@ -24,7 +24,7 @@ std::string to_text(Rate rate);
 struct Link {
     std::size_t node = 0;    ///< index in Pipeline::nodes
     std::size_t output = 0;  ///< index in Node::outputs
-    std::string part = {};   ///< the part of it that is taken (Selection); empty: all of it
+    std::string part = {};   ///< the part of the output (Selection); empty: all of it
 };
 
 /// A node of a pipeline with resolved type, parsed parameters and connected inputs.
@@ -50,12 +50,12 @@ struct Node {
     /// Of a writer: outputs upstream whose checksums its files state, too.
     std::vector<Link> checksummed;
 
-    std::vector<Problem> warnings;  ///< what its check warns of
+    std::vector<Problem> warnings;  ///< warnings of its check
 
     bool streams_in() const { return gathers && per_frame_input; }  ///< it gathers frame by frame
     bool retimes() const {
         return type && type->retimes && streams_in();
-    }  ///< what it delivers has other frames than what it takes
+    }  ///< whether its outputs have other frames than its inputs
 };
 
 /// A checked pipeline: typed, acyclic, complete. Each node comes after the nodes that it reads.
@@ -65,8 +65,8 @@ struct Pipeline {
     FrameSet frames;                 ///< the sequence, and the frames of nodes that retime it
     std::string holes;  ///< of `frames: auto`: which frames are missing between the others, in
                         ///< words; empty: none
-    std::vector<std::string> notes;  ///< what a user may not expect of the sequence or of files
-                                     ///< that are there, a sentence each
+    std::vector<std::string> notes;  ///< surprising facts about the sequence or existing files, a
+                                     ///< sentence each
     std::vector<Node> nodes;
     PluginFiles plugins;     ///< plugin file of each node type that is not built in
     bool provenance = true;  ///< whether written files state what made them
@@ -85,8 +85,8 @@ struct Pipeline {
 /// name.
 const std::string& taken_by(const Pipeline& pipeline, const Link& link);
 
-/// All that `check` warns of: of the sequence, of files that are there, and of nodes; in words that
-/// begin with "warning:".
+/// All warnings of `check`: about the sequence, existing files and nodes. Messages begin with
+/// "warning:".
 Problems warnings_of(const Pipeline& pipeline);
 
 }  // namespace fluidcarve

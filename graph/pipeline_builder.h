@@ -70,12 +70,11 @@ private:
     /// be written twice or overwrite an input.
     void check_paths(const FrameSet& frames);
 
-    /// Where a sequence is read as one file, what is written per frame is not at fault: adds the
-    /// problem at that reader.
+    /// If a reader upstream of a writer reads a sequence as one file, adds the problem there.
     /// @param mark  of the writer's path @return whether there is such a reader
     bool blame_reader(const Node& writer, const Mark& mark, const FrameSet& frames);
 
-    /// Checks that files which a node takes to be written by others are so.
+    /// Checks that other nodes write the files of each WrittenPath.
     void check_written(const FrameSet& frames);
 
     /// Checks that all files lie where the program may read and write.

@@ -6,9 +6,9 @@
 
 namespace fluidcarve {
 
-/// Tells nodes what the outputs that they take promise (Declare::promises), and so changes their
-/// parameters.
-/// @param nodes  each behind those that it reads
+/// Passes promises of outputs (Declare::promises) to the nodes that take them, and so changes the
+/// parameters of these nodes.
+/// @param nodes  each after the nodes that it reads
 void pass_promises(const std::vector<Node*>& nodes, Problems& problems);
 
 }  // namespace fluidcarve

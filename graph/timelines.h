@@ -7,7 +7,8 @@
 
 namespace fluidcarve {
 
-/// Finds Node::taken and Node::frames of all nodes. What meets in a node must have the same frames.
+/// Finds Node::taken and Node::frames of all nodes. All inputs of a node must have the same
+/// frames.
 /// @param nodes     in order, with their rates
 /// @param sequence  the frames of readers
 /// @return the frames of all nodes together

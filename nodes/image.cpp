@@ -192,7 +192,7 @@ struct ImageWrite {
                     "JPEG keeps 8 bits and changes values a little each time it is written; PNG, "
                     "TIFF and EXR keep them");
             const auto provenance = context.provenance();
-            // PNG and JPEG get it below: OpenImageIO does not write it to JPEG.
+            // PNG and JPEG get the provenance below: OpenImageIO does not write it to JPEG.
             if (image.format == "openexr")
                 for (const auto& [name, text] : provenance)
                     image.attributes.push_back({name, "string", text});

@@ -205,7 +205,7 @@ struct Box {
                             in->name, in->transform->mapType(), context.frame()));
         voxels_.require(fmt::format("grid '{}'", in->name), *in->transform, context.frame());
         name_ = in->name;
-        // A container may move from frame to frame.
+        // The container of the content may move from frame to frame.
         box_.expand(voxels_among(*voxels_.transform(), in->voxels, *in->transform, in->name,
                                  context.frame()));
     }
@@ -345,7 +345,7 @@ struct LatticeBuild : LatticeNode {
     static void foresee(const Params& params, Outlook& ahead) {
         if (!params.spacing || params.extent_u.shares || params.extent_v.shares) return;
         tell_form(form_of(spec_of(params, {}, *params.spacing)), ahead);
-        if (!ahead.told("content").empty()) return;  // it goes on beyond the rig
+        if (!ahead.told("content").empty()) return;  // content continues beyond the rig
         const auto most = [](const RigExtent& extent) {
             return std::max(std::abs(extent.low), std::abs(extent.high));
         };
@@ -389,7 +389,7 @@ struct LatticeBuild : LatticeNode {
     }
 
 private:
-    /// What is wrong with an extent in world units. @param spacing  nothing: not known yet
+    /// The fault of an extent in world units, if any. @param spacing  nothing: not known yet
     static std::optional<std::string> extent_fault(const char* name, const RigExtent& extent,
                                                    const Auto<double>& spacing) {
         if (extent.high == extent.low)
@@ -419,10 +419,10 @@ private:
         return out;
     }
 
-    ContentReach sum_;      ///< widths summed over the frames that show something; greatest ends
-    int showing_ = 0;       ///< frames that do
-    double voxel_ = 0;      ///< of the last of these, world units
-    bool content_ = false;  ///< it is connected
+    ContentReach sum_;      ///< widths summed over the frames with content; greatest ends
+    int showing_ = 0;       ///< number of frames with content
+    double voxel_ = 0;      ///< voxel edge in the last of these, world units
+    bool content_ = false;  ///< whether `content` is connected
 };
 
 }  // namespace

@@ -50,7 +50,7 @@ struct ChoiceNames<Conserve> {
 
 namespace {
 
-/// What all nodes have that carve.
+/// The base of all nodes that carve.
 struct RemapNode {
     struct Params : JoinParams {
         Auto<Count> count;
@@ -75,8 +75,7 @@ protected:
     }
 };
 
-/// What nodes have that carve seams of frames, too: frames leave a sequence that is there as a
-/// whole.
+/// The base of nodes that also carve seams of frames, which needs the whole sequence.
 struct RemapInTime : RemapNode {
     struct Params : RemapNode::Params {
         bool transform_vectors = false;
@@ -89,7 +88,7 @@ struct RemapInTime : RemapNode {
     }
 
 protected:
-    /// @param idle  a parameter that is stated for nothing if frames are carved; empty: none
+    /// @param idle  a parameter that has no effect if frames are carved; empty: none
     static void foresee_frames(const Params& params, const std::string& idle, Outlook& ahead) {
         if (!idle.empty())
             ahead.fault(

@@ -175,8 +175,8 @@ struct RigCurve {
     }
 
 private:
-    /// Adds to a region where the curve of a frame lies, with these axes and with others.
-    /// @return what is wrong with its file; empty: nothing
+    /// Adds the curve of a frame to a region, with the stated axes and with the others.
+    /// @return the fault of its file; empty: none
     static std::string look(const Params& params, int frame, Region& region) {
         std::error_code ignored;
         const auto path = params.path.at(frame);
@@ -279,7 +279,7 @@ struct RigPoints {
         Ref<Rig> rig;
     };
 
-    /// Tells that there is one rig per frame: the node has no input that would tell.
+    /// Tells that there is one rig per frame, since the node has no input.
     static bool animates(const Params& params) { return !params.frames.empty(); }
 
     static void check(const Params& params, NodeCheck& check) {
@@ -307,7 +307,7 @@ struct RigPoints {
         std::vector<Region::Box> keys;
         for (const auto& [frame, points] : params.frames)
             for (const auto& point : points) keys.push_back({point, point});
-        // Between two keys the rig is between their points.
+        // Between two keys the rig's points lie between theirs.
         ahead.lies(Region{{around(keys)}, {}});
     }
 

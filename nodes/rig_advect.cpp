@@ -33,7 +33,7 @@ struct ChoiceNames<ScaleUnit> {
 
 namespace {
 
-/// The points that one frame added, as far as they are still in the flow.
+/// The points added in one frame that are still in the flow.
 struct PointSet {
     std::size_t number = 0;  ///< index of the frame
     std::vector<Vec3d> points;
@@ -94,7 +94,7 @@ public:
         const double duration = params.scale * (params.scale_unit == ScaleUnit::voxel ? voxel : 1) *
                                 frames_until_next(context);
         for (auto& set : sets_) advect(set.points, *io.velocity, duration);
-        // The middle of the few that are left of a set lies aside.
+        // If few points of a set are left, their centroid lies aside.
         std::erase_if(sets_, [&](const PointSet& set) {
             return params.animate ? 2 * set.points.size() < all_of(params) : set.points.empty();
         });
@@ -203,7 +203,7 @@ private:
             furthest, context.frames()[at - 1], context.frames()[at], apart_, params.steady));
     }
 
-    std::vector<PointSet> sets_;  ///< those with points, the oldest first
+    std::vector<PointSet> sets_;  ///< sets with points, the oldest first
     double apart_ = 0;
     std::vector<Streakline> streaklines_;  ///< of each frame, if the rig moves
     std::vector<Ref<Rig>> rigs_;           ///< of each frame, if the rig moves

@@ -23,7 +23,7 @@ namespace fluidcarve {
 
 namespace {
 
-constexpr std::size_t most_frames = 8;  ///< that are looked at
+constexpr std::size_t most_frames = 8;  ///< frames that are measured
 
 struct Choose {
     struct Params {};
@@ -42,7 +42,7 @@ struct Choose {
     }
     static bool wants(const Params&, const Context& context) {
         const auto all = context.frames().size(), shown = std::min(all, most_frames);
-        // The middle frame of each of so many parts.
+        // The middle frame of each of `shown` equal parts.
         for (std::size_t n = 0; n < shown; ++n)
             if ((2 * n + 1) * all / (2 * shown) == context.place()) return true;
         return false;
@@ -107,7 +107,7 @@ struct CurvesWrite {
         Ref<Lattice> lattice;
         Ref<Seams> seams;
     };
-    /// Seams run otherwise in each frame.
+    /// Seams differ from frame to frame.
     static bool animates(const Params&) { return true; }
 
     static void check(const Params& params, NodeCheck& check) {
@@ -169,7 +169,7 @@ struct SeamsRead {
     static void run(const Params& params, Ports& io, Context&) {
         io.seams = std::make_shared<Seams>(read_seams(params.path.at(0)));
     }
-    /// What a file of seams of frames will do, if it is there.
+    /// The effect of a file of seams of frames, if the file exists.
     static std::optional<FramesCarved> in_time(const Params& params) {
         return params.path.exists() ? frames_carved_by(params.path.at(0)) : std::nullopt;
     }

@@ -78,7 +78,7 @@ struct ParamTraits<Lengths> {
 
 namespace {
 
-/// What all loops have in common.
+/// The base of all loop nodes.
 class Looping {
 public:
     struct Params {
@@ -137,7 +137,7 @@ protected:
     }
 
     const Loop& loop() const { return loop_; }
-    /// What the frame of the context shows.
+    /// Content of the context's frame.
     Loop::Shown shown(const Context& context) const {
         return loop_.shown(
             static_cast<std::size_t>((context.frame() - place_.first) / place_.step));
@@ -145,9 +145,9 @@ protected:
 
 private:
     static constexpr int most_frames = 100000;
-    static constexpr double much = 4;  ///< difference of the ends from which on it is warned of
+    static constexpr double much = 4;  ///< difference of the ends from which on there is a warning
 
-    /// What is known of a loop before the frames are.
+    /// Facts about a loop before its frames are read.
     struct Place {
         int first = 1, step = 1;
 
@@ -169,8 +169,8 @@ private:
         return out;
     }
 
-    /// What a warning says of ends that differ much, and which length near the one asked for would
-    /// close better.
+    /// The warning about ends that differ much, with a length near the wanted one that closes
+    /// better.
     std::string unlike(const Params& params, std::size_t frames,
                        const Difference& difference) const {
         const auto out = fmt::format(
@@ -228,8 +228,8 @@ public:
     }
 
 private:
-    /// Finds where and when the end goes over into what comes before. Places that differ much take
-    /// longer.
+    /// Finds where and when the end changes into the frames before the loop. Places that differ
+    /// much take longer.
     void find_surface(Context& context) {
         std::vector<std::pair<std::size_t, std::size_t>> pairs;
         for (auto n = loop().length - loop().fade; n < loop().length; ++n)
@@ -242,7 +242,7 @@ private:
 
     Sequence source_;
     Thumbnails thumbnails_;
-    std::optional<TimeSurface> surface_;  ///< nothing: all places go over alike
+    std::optional<TimeSurface> surface_;  ///< nothing: all places change alike
 };
 
 class LoopPoints : public Looping {

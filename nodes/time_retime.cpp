@@ -27,12 +27,12 @@ namespace fluidcarve {
 
 namespace {
 
-/// From a frame of a sequence to the next.
+/// Difference between the numbers of a frame and the next.
 int frames_behind(const std::vector<int>& numbers, std::size_t place) {
     return numbers[place + 1] - numbers[place];
 }
 
-/// What all nodes have that give a sequence another pace.
+/// The base of all nodes that retime.
 struct Paced {
     static void check(const PaceParams& params, NodeCheck& check) { check_pace(params, check); }
     static std::vector<int> retimes(const PaceParams& params, const std::vector<int>& frames) {
@@ -93,12 +93,12 @@ public:
     }
 
 private:
-    /// The scale at which a few pairs of frames fit best, moved to the moment halfway. World units
-    /// per frame, of a velocity of 1.
+    /// The scale at which a few pairs of frames match best, each moved to the moment halfway.
+    /// World units per frame at a velocity of 1.
     double found_scale(Context& context) const {
         struct Pair {
             MovingFrame a, b;
-            int frames;  ///< from one to the other
+            int frames;  ///< from one frame to the other
         };
         std::vector<Pair> pairs;
         double speed = 0;
@@ -213,7 +213,7 @@ public:
     }
 
 private:
-    /// The middle one of those that three pairs of frames find.
+    /// The median of the scales of three pairs of frames.
     double found_scale(Context& context) const {
         std::vector<double> found;
         constexpr std::size_t most_pairs = 3;
@@ -223,7 +223,7 @@ private:
             const auto place = (2 * n + 1) * gaps / (2 * count);
             const double scale =
                 point_scale(*source_.at(place), *source_.at(place + 1), motion_.velocity);
-            // Frames without points, or in which nothing moves, say nothing.
+            // Frames without points or motion give no scale.
             if (scale != 0) found.push_back(scale / frames_behind(source_.numbers(), place));
         }
         std::ranges::sort(found);

@@ -67,8 +67,8 @@ struct UsdWrite {
         }
     }
 
-    /// One frame says which grids there are. So a part of the frames makes the same file as all of
-    /// them.
+    /// One frame tells which grids there are. So a part of the frames gives the same file as all
+    /// of them.
     static bool wants(const Params&, const Context& context) {
         return context.place() == typical_place(context.frames().size());
     }

@@ -245,8 +245,8 @@ private:
 };
 
 /// Checks that grids keep the shape of their voxels over a sequence and, in Blender's files, the
-/// size of their domain: of an adaptive one, Blender stores neither the place nor the true size of
-/// the voxels.
+/// size of their domain: of an adaptive domain, Blender stores neither the place nor the true size
+/// of the voxels.
 class Steadiness {
 public:
     /// Warns of the first grid that changes, once per sequence.
@@ -287,8 +287,8 @@ private:
 
 /// Bytes of memory of the grids: as stated by the file's writer, or as counted, if that is more.
 /// @param places  indices in the header of the grids that the run reads
-/// @param named   those of them that are outputs of their own: nodes may turn their tiles into
-///   voxels
+/// @param named   the grids among them that are outputs of their own: nodes may turn their tiles
+///   into voxels
 std::uint64_t memory_of(Contents& contents, const std::set<std::size_t>& places,
                         const std::set<std::size_t>& named) {
     std::uint64_t out = 0;
@@ -333,7 +333,7 @@ struct VdbRead {
         Steadiness steadiness;
         std::map<std::string, HeaderRegion> regions;
         std::map<std::string, std::pair<std::size_t, std::string>>
-            several;  // the first grid that is taken, of those of one name: its place and name
+            several;  // place and name of the first taken grid that shares its name with others
         survey_files(params.path, params.missing, survey, [&](int frame, int file) {
             Contents contents(params.path.at(file), params.profile);
             std::set<std::size_t> places;

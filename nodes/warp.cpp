@@ -33,16 +33,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Amounts are multiples of this, so that one kept solution answers each of them alike.
+/// Amounts are multiples of this, so that one kept solution gives the same warp for each.
 constexpr double amount_step = 1.0 / 65536;
-/// Points that a warp is found at, unless its factor is stated.
+/// Largest number of points of a warp, unless its factor is stated.
 constexpr auto most_points = std::uint64_t{1} << 26;
 
 double in_steps(double amount) { return std::round(amount / amount_step) * amount_step; }
 
-/// How far a kept result reaches, as an item count of Growth: the more is asked for, the higher. A
-/// single amount squeezes the lattice if it is negative, so that the order is that of falling
-/// amounts; with pairs of windows either sign squeezes one, and each has results of its own.
+/// Converts amounts to item counts of Growth: a larger request has a higher count. A single amount
+/// squeezes the lattice if it is negative, so counts rise with falling amounts. With pairs of
+/// windows either sign squeezes one, and each sign has results of its own.
 class Reach {
 public:
     static constexpr std::size_t nothing = 0;
@@ -80,12 +80,12 @@ std::pair<double, double> amounts_in(const Seams& set, const WarpAmount& amount)
     return {least, greatest};
 }
 
-/// Whether it is known without a look into a file that nothing is to be done.
+/// Whether the amount is 0, as far as known without reading a file.
 bool states_nothing(const WarpParams& params) {
     return params.amount && params.amount->nothing() && !params.rest;
 }
 
-/// What is left of an amount in a space that others have carved; with `rest` they count towards it.
+/// The amount still to be made after other sets; with `rest`, these count towards the amount.
 WarpAmount amount_left(const WarpParams& params, WarpAmount amount, const CarvedSpace& space) {
     if (!params.rest) return amount;
     const auto axis = dimension(params.axis);
@@ -94,8 +94,8 @@ WarpAmount amount_left(const WarpParams& params, WarpAmount amount, const Carved
     return amount;
 }
 
-/// What a finished warp is reported by.
-/// @param amount  what it was found for; null: no amount at all
+/// The report of a finished warp.
+/// @param amount  the amount of the warp; null: no amount at all
 Json report_of(const Seams& set, const WarpParams& params, const WarpAmount* amount) {
     Json out{{"axis", to_text(set.axis)},
              {"shape", {set.shape[0], set.shape[1], set.shape[2], set.frames.size()}}};
@@ -108,7 +108,7 @@ Json report_of(const Seams& set, const WarpParams& params, const WarpAmount* amo
     return out;
 }
 
-/// The base of what is gathered: energies as the solvers of seams take them.
+/// Parameters for gathering energies as for the solvers of seams.
 SolverParams gathering_params(const WarpParams& params) {
     SolverParams out;
     out.axis = params.axis;
@@ -144,7 +144,7 @@ struct WarpSolve {
         if (form.shape[dimension(params.axis)] == 0 || !ahead.told("after").empty()) return;
         // One amount is that of all planes, however many there are.
         form.shape[2] = std::max(form.shape[2], 1);
-        // Curves count planes and frames, percentages may count content: known later.
+        // Curves need planes and frames, percentages may need the content: both are known later.
         auto amount = params.amount.value_or(WarpAmount{});
         if (amount.varies()) amount = {};
         else if (!ahead.told("content").empty()) amount = amount.in_vertices(0);
@@ -158,10 +158,10 @@ struct WarpSolve {
 
     static std::shared_ptr<FrameEnergy> digest(const Params& params, const Ports& io,
                                                Context& context) {
-        // The first frame tells, before all others are read. What is left after other seams is
+        // The first frame shows faults before all others are read. The space after other seams is
         // known only later.
         if (context.place() == 0 && io.after.empty() && !states_nothing(params)) {
-            // What percentages of the content are is known when all frames are.
+            // Percentages of the content are known only after all frames.
             const auto stated = amount_of(params);
             require_fits(params, io.content ? stated.in_vertices(0) : stated, io.lattice->shape,
                          io.lattice->closed, context.frames(), "");
@@ -186,7 +186,7 @@ struct WarpSolve {
         if (frame->width.value_or(0) > 0) widths_.push_back(*frame->width);
     }
 
-    /// Takes a warp that was found before, if it is not linear: it may be the one that is wanted.
+    /// Takes an earlier warp, if it is not linear: it may be the wanted one.
     void resume(const Payload& result, const Json& entry) {
         before_ = result.as<Seams>();
         entry_ = entry;
@@ -215,7 +215,7 @@ struct WarpSolve {
         auto set = found_before ? *before_ : empty_set(params, space);
         auto report = entry_;
         if (!found_before) {
-            // A curve may be other than 0 only where there is no plane or frame.
+            // A curve may differ from 0 only between planes or frames.
             const bool moves = !nothing && amounts_in(set, amount) != std::pair(0.0, 0.0);
             report = moves ? solve(params, amount, space, set, context)
                            : report_of(set, params, nothing ? nullptr : &amount);
@@ -226,7 +226,7 @@ struct WarpSolve {
         io.seams = std::make_shared<Seams>(std::move(set));
     }
 
-    /// A linear warp answers every amount up to where it is too tight.
+    /// A linear warp serves every amount up to the limit of squeezing.
     static std::string rest(const Params& params) {
         if (!params.amount) return "of a file";
         if (params.rest) return "rest of " + text_of(*params.amount);
@@ -262,7 +262,7 @@ struct WarpSolve {
         }
         return Payload(std::shared_ptr<const Seams>(set));
     }
-    /// Warnings, made from a report. Behind seams that make the whole amount, none may be left.
+    /// Warnings from a report. After other seams the rest of an amount may be 0.
     static std::vector<std::string> warnings(const Json& entry) {
         if (entry.value("amount", Json()) != 0.0 || entry.contains("rest")) return {};
         return {"`amount` is 0, so that nothing is carved"};
@@ -289,8 +289,8 @@ private:
         return out;
     }
 
-    /// Vertices from point to point: as few as there is time for. It goes by the size of the set
-    /// alone, so that a warp is the same whatever the memory; what has no room there is in files.
+    /// Vertices from point to point: as few as time allows. Depends on the size of the set alone,
+    /// so that a warp does not depend on the memory; larger warps are held in files.
     static int factor_for(const Params& params, const Seams& set, std::size_t frames) {
         if (params.factor) return *params.factor;
         for (const int factor : {1, 2}) {
@@ -302,7 +302,7 @@ private:
         return 4;
     }
 
-    /// What a warp of a set is to do.
+    /// The task of a warp of a set.
     static WarpTask task_of(const Params& params, const WarpAmount& amount, const Seams& set,
                             const Warp& warp) {
         WarpTask out;
@@ -373,7 +373,7 @@ private:
             context.check_cancelled();
             context.progress(done);
         });
-        // A curve holds for itself alone, and so does what others leave of an amount.
+        // A warp for a curve, or for the rest of an amount, serves no other amount.
         if (!params.amount || one_of_a_kind(*params.amount) || params.rest) warp.set_linear(false);
         if (!set.pair_window) warp.hold(params.anchor);
         warp.find_bounds();

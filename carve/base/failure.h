@@ -17,7 +17,7 @@ public:
     Kind kind;
 };
 
-/// Thrown where work is being stopped. Only who started the work catches it.
+/// Thrown to stop a computation. Only the code that started the computation catches it.
 struct Cancelled {};
 
 }  // namespace fluidcarve

@@ -18,15 +18,15 @@ public:
     explicit FrameSet(std::vector<int> frames);
 
     /// @param fault  set to the reason if the text is wrong and nothing is returned
-    /// @param most   number of frames that the text may name, repeated ones and those left out
-    ///   included
+    /// @param most   largest number of frames that the text may name; repeated and left-out frames
+    ///   count
     static std::optional<FrameSet> parse(std::string_view text, std::string& fault,
                                          std::int64_t most = most_frames);
     static constexpr std::int64_t most_frames = 1'000'000;
 
     const std::vector<int>& frames() const { return frames_; }
     bool contains(int frame) const;
-    std::optional<std::size_t> place(int frame) const;  ///< index in `frames()`
+    std::optional<std::size_t> place(int frame) const;  ///< index in `frames()`, if contained
     std::string text() const;                           ///< shortest text that parse reads back
 
 private:

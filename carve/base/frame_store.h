@@ -8,16 +8,16 @@
 
 namespace fluidcarve {
 
-/// Stores entries of a sequence, 16-bit numbers or floats, equally many for each frame, initially
-/// 0. They are kept in memory or, over the budget, in a mapped file that disappears with the
-/// process.
+/// Stores the entries of a sequence: 16-bit numbers or floats, the same number for each frame,
+/// initially 0. The store is held in memory or, if it exceeds the budget, in a mapped file that
+/// disappears with the process.
 template <class Entry>
 class FrameStoreOf {
 public:
     /// @param count          number of frames
     /// @param entries        per frame
     /// @param memory_budget  bytes that may be held in memory
-    /// @param folder         for the file; created if missing
+    /// @param folder         of the mapped file; created if missing
     /// @throws Failure if neither memory nor disk can hold the frames
     FrameStoreOf(std::size_t count, std::size_t entries, std::uint64_t memory_budget,
                  const std::string& folder);
@@ -31,7 +31,7 @@ public:
 
 private:
     struct Release {
-        std::size_t mapped;  ///< bytes; 0: from the allocator
+        std::size_t mapped;  ///< bytes of the mapping; 0: heap memory
         void operator()(Entry* data) const;
     };
     std::size_t count_, entries_;

@@ -5,12 +5,12 @@
 
 namespace fluidcarve {
 
-/// What work may take of the machine.
+/// The memory that a computation may use, and the folder for the rest of its data.
 struct Limits {
-    /// Bytes held for a whole sequence; what is beyond goes to files in `folder`
+    /// Bytes in memory for a whole sequence; data beyond that goes to files in `folder`
     std::uint64_t memory = ~std::uint64_t{0};
-    std::string folder = ".fluidcarve";  ///< made when it is needed; the files in it have no names,
-                                         ///< and leave nothing behind
+    std::string folder = ".fluidcarve";  ///< created when needed; its files are unnamed and
+                                         ///< disappear with the process
 };
 
 /// Half of the machine's memory, in bytes.

@@ -6,8 +6,8 @@
 
 namespace fluidcarve {
 
-/// The middle one of some values, of an even number the upper of both.
-/// @param of  at least one
+/// The median; of an even number of values, the upper of the two middle ones.
+/// @param of  the values, at least one
 template <class T>
 T median_of(std::vector<T> of) {
     const auto middle = of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2);

@@ -30,14 +30,14 @@ auto with_number_type(NumberType type, Visit&& visit) {
 }
 
 /// A number as a double; exact for all types.
-/// @param swap  the bytes are in the order that this machine does not have
+/// @param swap  whether the bytes are in the order opposite to this machine's
 double number_in(const char* bytes, NumberType type, bool swap);
-/// Appends the bytes of a number. One outside the range of its whole type becomes the nearest.
+/// Appends the bytes of a number. An integer type rounds towards 0 and clamps to its range.
 void put_number(std::string& out, double number, NumberType type, bool swap);
 
-/// How numbers stand in a file: as text, or as bytes in one of two orders.
+/// Encoding of numbers in a file: text, or binary with little- or big-endian bytes.
 enum class NumberForm { ascii, little, big };
-/// Whether numbers have their bytes in the order that this machine does not have.
+/// Whether the encoding is binary, with the byte order opposite to this machine's.
 bool is_swapped(NumberForm encoding);
 
 }  // namespace fluidcarve

@@ -7,8 +7,8 @@ namespace fluidcarve {
 /// Makes foreign text safe to print on one line of a terminal: control characters become spaces.
 std::string one_line(std::string text);
 
-/// The same for several lines, with tabs: each other control character is shown as \xNN, so that no
-/// name that a file has moves the cursor or changes colours.
+/// Makes foreign text of several lines safe to print. Line breaks and tabs stay; other control
+/// characters become \xNN, so that no file name can move the cursor or change colours.
 std::string printable(const std::string& text);
 
 }  // namespace fluidcarve

@@ -5,10 +5,10 @@
 
 namespace fluidcarve {
 
-/// Makes a file without a name in a folder: nothing is left of it once it is closed. Its space is
-/// allocated at once: otherwise a full disk would kill the process later, without a message.
+/// Creates an unnamed file in a folder. It disappears when it is closed. Its space is allocated at
+/// once: otherwise a full disk would kill the process later, without a message.
 /// @param folder  created if missing
-/// @param what    what it is for, in messages: "energies, seams or displacements"
+/// @param what    the file's content, for messages: "energies, seams or displacements"
 /// @return the descriptor, which the caller closes
 /// @throws Failure if there is no room
 int scratch_file(const std::string& folder, const std::string& what, std::size_t bytes);

@@ -10,7 +10,7 @@
 
 namespace fluidcarve {
 
-/// Shared data. It is never changed after its creation: who edits makes a copy.
+/// Shared data. It never changes after its creation: to edit it, make a copy.
 template <class T>
 using Ref = std::shared_ptr<const T>;
 

@@ -77,7 +77,7 @@ std::string nearest(std::string_view name, const std::vector<std::string>& candi
     auto least = std::max<std::size_t>(1, name.size() / 3) + 1;
     for (const auto& candidate : candidates) {
         const auto d = distance(name, candidate);
-        // If every letter of the name changes, it is another name.
+        // If every letter changes, the candidate is a different name.
         if (d < least && d < name.size()) {
             least = d;
             best = candidate;

@@ -15,8 +15,8 @@ using Leaf = Tree::LeafNodeType;
 using Leaves = openvdb::tree::LeafManager<Tree>;
 constexpr int side = 8, area = side * side;
 
-/// The values of a leaf and of those before and behind it along an axis: lines along the axis, the
-/// same place of all lines side by side.
+/// The values of a leaf and of its neighbours before and behind along an axis, as lines along the
+/// axis. Values at the same place of all lines are contiguous.
 class Lines {
 public:
     void read(const openvdb::tree::ValueAccessor<const Tree>& accessor,
@@ -42,7 +42,7 @@ public:
             }
         }
     }
-    /// The means over 2 width + 1 places, added up in the order of the places.
+    /// The means over 2 width + 1 places, summed in the order of the places.
     /// @param out  of the leaf, as its own values are laid out
     void add(int width, float share, int axis, float* out) const {
         for (int place = 0; place < side; ++place) {

@@ -25,7 +25,7 @@ bool all_finite(const Tree& tree) {
     for (; tile; ++tile)
         if (!std::isfinite(*tile)) return false;
     const auto finite = [](const Tree::LeafNodeType& leaf) {
-        // Of values that are finite, none times 0 is anything else.
+        // Only finite values times 0 are 0.
         const auto* const values = leaf.buffer().data();
         float sum = 0;
         for (openvdb::Index n = 0; n < Tree::LeafNodeType::SIZE; ++n) sum += values[n] * 0;
@@ -68,7 +68,7 @@ std::array<int, 3> filter_order(const openvdb::math::Transform& transform) {
     return {own.nearest(0), own.nearest(2), own.nearest(1)};
 }
 
-/// How far a voxel's value comes from, voxels.
+/// Largest distance from which a voxel's value is computed, voxels.
 int reach(FilterMode mode, int width, int iterations) {
     return width * iterations * (mode == FilterMode::gaussian ? 4 : 1);
 }
@@ -86,7 +86,7 @@ FloatGrid::Ptr filtered_field(const FloatGrid& field, FilterMode mode, int width
     };
     refuse(width);
     openvdb::tools::Filter<FloatGrid> filter(*out);
-    // A Gaussian is four means in a row, as openvdb::tools::Filter has it.
+    // A Gaussian is four means in a row, as in openvdb::tools::Filter.
     const bool narrow = width <= most_box_width;
     if (mode == FilterMode::median) filter.median(width, iterations);
     else if (narrow)

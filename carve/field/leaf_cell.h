@@ -14,8 +14,8 @@ bool same_bits(const T& a, const T& b) {
     return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
 
-/// Coord::floor, without a library call per component. Places beyond all voxels, or not finite,
-/// count as at the ends of index space.
+/// Coord::floor, without a library call per component. Clamps positions beyond index space, or not
+/// finite, to its ends.
 inline openvdb::Coord voxel_below(const openvdb::Vec3d& q) {
     static constexpr double end = 2147483000;  // steps to neighbours still fit in 32 bits
     const auto floor = [](double at) {
@@ -31,8 +31,8 @@ inline bool in_one_leaf(const openvdb::Coord& low) {
     return (low.x() & 7) != 7 && (low.y() & 7) != 7 && (low.z() & 7) != 7;
 }
 
-/// Reads the values of such a cell, `out[x][y][z]`, in the order of openvdb::tools::BoxSampler. Not
-/// for leaves of booleans or masks.
+/// Reads the values of a cell that lies in one leaf, `out[x][y][z]`, in the order of
+/// openvdb::tools::BoxSampler. Not for leaves of booleans or masks.
 template <class Leaf, class Value>
 void read_cell(const Leaf& leaf, const openvdb::Coord& low, Value (&out)[2][2][2]) {
     const auto* const at = leaf.buffer().data() + Leaf::coordToOffset(low);

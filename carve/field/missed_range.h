@@ -8,16 +8,15 @@
 
 namespace fluidcarve {
 
-/// Why the mask of a threshold is empty: no active value of the field lies in the range that is
-/// wanted.
+/// Why a threshold's mask is empty: no active value of the field lies in the wanted range.
 struct MissedRange {
-    Interval wanted;  ///< infinite at an end without a bound
+    Interval wanted;  ///< infinite where no bound is set
     Interval values;  ///< the field's; low > high: it has no active voxels
 };
 
-/// Notes in an empty mask why it is so. It travels with the mask, as metadata.
+/// Stores in an empty mask, as metadata, why it is empty.
 void note_missed_range(MaskGrid& mask, const MissedRange& missed);
-/// What is noted in a mask; nothing: nothing.
+/// The reason stored by note_missed_range(), if any.
 std::optional<MissedRange> missed_range(const openvdb::GridBase& mask);
 /// For messages: "mask.threshold marks values from 2, but the field has 0 to 0.9 only".
 std::string text_of(const MissedRange& missed);

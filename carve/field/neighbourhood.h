@@ -67,7 +67,7 @@ private:
                     const openvdb::Coord& at) {
         const auto* const leaf = accessor.probeConstLeaf(origin);
         blocks_[place(at, 3)] = {leaf, !leaf && accessor.isValueOn(origin)};
-        // The part of the block that is needed: from its voxel `from` on, to `to` here.
+        // Copies `count` voxels of the block, from its voxel `from` to `to` in values_.
         std::array<int, 3> from, to, count;
         for (int n = 0; n < 3; ++n) {
             const auto d = static_cast<std::size_t>(n);

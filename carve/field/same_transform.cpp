@@ -13,7 +13,8 @@ namespace {
 
 using openvdb::Mat3d;
 
-constexpr double hardly = 1e-6;  ///< relative; what voxels that were stored as floats may differ by
+constexpr double hardly = 1e-6;  ///< relative difference allowed between voxel sizes, which may
+                                 ///< have been stored as floats
 
 /// Row i is the step from a voxel to the next along index axis i, world units.
 Mat3d steps_of(const openvdb::math::Transform& transform) {

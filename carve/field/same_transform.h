@@ -9,10 +9,10 @@ namespace fluidcarve {
 /// Whether a transform has cubic voxels along the world's axes.
 bool cubes_along_axes(const openvdb::math::Transform& transform);
 
-/// Whether a transform has cubic voxels, however they are turned.
+/// Whether a transform has cubic voxels, in any orientation.
 bool are_cubes(const openvdb::math::Transform& transform);
 
-/// Whether two transforms differ by nothing but a translation.
+/// Whether two transforms differ at most by a translation.
 bool same_voxels(const openvdb::math::Transform& a, const openvdb::math::Transform& b);
 
 /// A transform in words: "voxels of 0.1 x 0.1 x 0.1, the first at [0, 0, 0]".
@@ -24,8 +24,8 @@ std::string place_text(const openvdb::math::Transform& transform);
 void require_same_transform(const std::string& what, const openvdb::GridBase& first,
                             const openvdb::GridBase& second);
 
-/// Checks that a grid has the same voxels in all frames of a sequence; where the first one lies may
-/// change from frame to frame.
+/// Checks that a grid's voxels have the same size and orientation in all frames of a sequence. The
+/// grid's origin may move.
 class SameVoxels {
 public:
     /// @param what   the grid, as the message calls it: "the energy"

@@ -4,11 +4,11 @@
 
 namespace fluidcarve {
 
-/// What a grid shows: the inside of a level set, or where another grid exceeds a share of its
-/// greatest value.
+/// The visible part of a grid: the inside of a level set; in any other grid, values above a share
+/// of the largest one.
 class ShownPart {
 public:
-    /// Of the greatest value.
+    /// Share of the largest value.
     static constexpr float share = 0.02f;
 
     explicit ShownPart(const FloatGrid& grid);

@@ -16,18 +16,18 @@
 
 namespace fluidcarve {
 
-/// Checks that a grid's voxels are cubes, however they are turned, as distances need them.
+/// Checks that a grid's voxels are cubes in any orientation, as distances need.
 /// @throws Failure naming the grid if they are not
 void require_cubes(const openvdb::GridBase& grid);
 
 /// Always throws.
-/// @throws Failure naming the grid and its lowest active voxel with a value that is not finite,
-///   else `beside`
+/// @throws Failure naming the grid and its lowest active voxel whose value is not finite; `beside`
+///   if there is none
 [[noreturn]] void refuse_not_finite(const FloatGrid& grid, const openvdb::Coord& beside);
 [[noreturn]] void refuse_not_finite(const VectorGrid& grid, const openvdb::Coord& beside);
 
 /// Turns the border of each active tile into leaves, so that all voxels within `reach` voxels of
-/// what remains of the tile have its value.
+/// the remaining tile have its value.
 /// @param reach  voxels
 template <class Tree>
 void open_tile_borders(Tree& tree, int reach = 1) {
@@ -52,8 +52,8 @@ void open_tile_borders(Tree& tree, int reach = 1) {
     }
 }
 
-/// Checks, before a stencil opens tiles, that all active voxels fit in memory, and that all have
-/// neighbours in index space.
+/// Checks, before a stencil opens tiles, that the active voxels fit in memory and that their
+/// neighbours lie within index space.
 /// @param value_bytes, budget  as in require_dense_fits
 /// @throws Failure as require_dense_fits and require_near
 inline void require_stencil_fits(const openvdb::GridBase& grid, double value_bytes,
@@ -64,7 +64,7 @@ inline void require_stencil_fits(const openvdb::GridBase& grid, double value_byt
 
 namespace detail {
 
-/// Leaves of more active voxels are read with their neighbours at once.
+/// Leaves with more active voxels than this are read together with their neighbours.
 constexpr openvdb::Index few_voxels = 64;
 
 /// Sets the active values of `tree` to `op(reader of in, voxel)`; calls it once per tile.

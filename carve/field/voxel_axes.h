@@ -9,16 +9,16 @@
 
 namespace fluidcarve {
 
-/// The index axes of a grid, each given to the world axis that it comes nearest to, so that results
-/// do not depend on how voxels are stored.
+/// Assigns each index axis of a grid to the nearest world axis, so that results do not depend on
+/// the order in which voxels are stored.
 class VoxelAxes {
 public:
     /// @param transform  linear
     explicit VoxelAxes(const openvdb::math::Transform& transform);
 
-    /// From a voxel to the next along an index axis, world units.
+    /// Step from a voxel to the next along an index axis, world units.
     const openvdb::Vec3d& step(int axis) const { return steps_[static_cast<std::size_t>(axis)]; }
-    /// The index axis of a world axis. It may run the other way.
+    /// The index axis assigned to a world axis. Its direction may be opposite.
     int nearest(int world) const { return order_[static_cast<std::size_t>(world)]; }
 
 private:

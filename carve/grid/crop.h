@@ -4,8 +4,8 @@
 
 namespace fluidcarve {
 
-/// All grids without what lies outside of a box, by openvdb::GridBase::clipGrid; points stay.
-/// @param box  world units; of turned voxels, the box around it along their axes counts
+/// Clips all grids to a box, by openvdb::GridBase::clipGrid; points stay.
+/// @param box  world units; a rotated grid is clipped to the bounding box along its own axes
 Volume cropped(const Volume& volume, const openvdb::BBoxd& box);
 
 }  // namespace fluidcarve

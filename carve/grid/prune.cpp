@@ -34,8 +34,8 @@ Volume pruned(const Volume& volume, double tolerance, std::optional<double> belo
             }
             if constexpr (std::is_floating_point_v<Element>) {
                 if (below)
-                    // Of all values: an iterator of active ones loses its count when other threads
-                    // make some inactive.
+                    // Visits all values: an iterator over active ones loses its count when other
+                    // threads make some inactive.
                     openvdb::tools::foreach (out->beginValueAll(),
                                              [background = out->background(), least = *below](
                                                  const typename GridT::ValueAllIter& value) {

@@ -18,8 +18,8 @@ namespace fluidcarve {
 
 namespace {
 
-/// @throws Failure (input) if the active voxels, as many as their space holds of the new ones, take
-///   more than the budget
+/// @throws Failure (input) if the new voxels in the space of the active ones take more than the
+///   budget
 void require_fits(const openvdb::GridBase& grid, const openvdb::math::Transform& transform,
                   double value_bytes, std::uint64_t budget) {
     const auto centre = grid.evalActiveVoxelBoundingBox().getCenter();
@@ -40,8 +40,8 @@ void require_fits(const openvdb::GridBase& grid, const openvdb::math::Transform&
                   Failure::Kind::input);
 }
 
-/// The same grid, without its tree, on other voxels. What its reader placed is still undone by a
-/// writer.
+/// The same grid, without its tree, on other voxels. A writer can still undo the reader's
+/// placement.
 template <class GridT>
 typename GridT::Ptr moved_to(const GridT& grid, const openvdb::math::Transform& transform) {
     const auto out = grid.copyWithNewTree();
@@ -62,7 +62,7 @@ std::shared_ptr<const GridT> at_centres(const std::shared_ptr<const GridT>& grid
     else return grid;
 }
 
-/// OpenVDB samples no masks, but states of other grids.
+/// OpenVDB can't sample masks, but it can sample boolean grids.
 void sample_mask(const MaskGrid& mask, MaskGrid& out) {
     openvdb::BoolGrid from(
         std::make_shared<openvdb::BoolTree>(mask.tree(), false, true, openvdb::TopologyCopy())),

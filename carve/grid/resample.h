@@ -6,9 +6,9 @@
 
 namespace fluidcarve {
 
-/// All grids on other voxels, by openvdb::tools::resampleToMatch: floats and vectors linearly,
-/// whole numbers and states by the nearest voxel, level sets made anew in their old narrow band.
-/// Staggered vectors become collocated; points stay.
+/// Resamples all grids, by openvdb::tools::resampleToMatch: floats and vectors linearly, integers
+/// and states by the nearest voxel; level sets are rebuilt with their old narrow band. Staggered
+/// vectors become collocated; points stay.
 /// @param transform  of the new voxels
 /// @param budget     memory that a grid's new voxels may take, bytes
 /// @throws Failure (input) naming the grid whose new voxels do not fit in memory

@@ -104,8 +104,8 @@ private:
         double low, high;  ///< Divider::side of the lower and the upper divider
         Slab::Products products;
     };
-    /// Calls `visit(candidate, hits)` for the candidates in rising order until it returns false.
-    /// Bit z of `hits` is set if voxel z of the row lies between the candidate's dividers.
+    /// Calls `visit(candidate, hits)` for the candidates in rising order until `visit` returns
+    /// false. Bit z of `hits` is set if voxel z of the row lies between the candidate's dividers.
     /// @param from  position of the row's first voxel from the block's first voxel, voxels
     template <class Visit>
     void each_hit(const openvdb::Vec3d& from, Visit&& visit) const;
@@ -136,15 +136,16 @@ private:
     std::shared_ptr<const std::vector<Table>> tables_;
     bool by_tables_ = false;  ///< whether places are found by tables_: not in a straight box or
                               ///< with the closed form
-    /// The index axis, x or y, along which no place comes nearer to any plane.
+    /// The index axis, x or y, that is parallel to all planes, if any.
     std::optional<int> even_;
     openvdb::Coord block_;
     bool interior_ = false;
     openvdb::BBoxd range_;
     std::vector<int> slabs_;
     std::vector<Candidate> candidates_;
-    std::array<Entered, 32> entered_;  ///< by twice the row's position across even_, and whether it
-                                       ///< begins half a voxel below along z
+    std::array<Entered, 32> entered_;  ///< index: 2 (2 a + 1), with the row's position `a` across
+                                       ///< even_, in voxels; plus 1 if the row begins half a voxel
+                                       ///< below along z
 };
 
 }  // namespace fluidcarve

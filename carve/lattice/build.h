@@ -31,7 +31,7 @@ struct BuiltLattice {
     Lattice lattice;
     double step = 0;  ///< distance of neighbouring planes along the rig, world units; differs from
                       ///< the spacing for closed rigs and stated planes
-    int iterations = 0;  ///< of smoothing that were done
+    int iterations = 0;  ///< smoothing iterations done
     double moved = 0;    ///< largest distance by which smoothing moved the rig, world units
     Folds folds;         ///< folded cells that remain
 };
@@ -50,7 +50,8 @@ BuiltLattice build_lattice(const Rig& rig, const LatticeSpec& spec,
 /// @param spacing  world units
 double vertices_along(const std::array<double, 2>& extent, double spacing);
 
-/// What of a lattice follows from a spec alone. The rig tells K, and whether the lattice is closed.
+/// The part of a lattice's form that follows from the spec alone. The rig determines K and
+/// `closed`.
 LatticeForm form_of(const LatticeSpec& spec);
 
 /// Whether a lattice reaches past the centre of a circular rig. Smoothing cannot unfold it then.

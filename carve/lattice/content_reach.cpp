@@ -22,7 +22,7 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::Vec3d;
 
-/// From the lowest to the highest value that was added.
+/// The lowest and the highest value added.
 struct Range {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     void add(const Range& other) {
@@ -32,7 +32,7 @@ struct Range {
     bool empty() const { return low > high; }
 };
 
-/// What the voxels nearest to a plane cover along each of its axes.
+/// The ranges that the voxels nearest to a plane cover along its axes.
 struct Covered {
     Range u, v, w;
 };
@@ -58,7 +58,7 @@ public:
         return out;
     }
 
-    /// Adds a point to what the nearest of some planes covers.
+    /// Adds a point to the ranges of the nearest of some planes.
     void cover(const Vec3d& point, const std::vector<std::size_t>& among,
                std::vector<Covered>& covered) const {
         const auto k = *std::ranges::min_element(among, {}, [&](std::size_t plane) {
@@ -80,7 +80,7 @@ private:
     bool open_;
 };
 
-/// Gathers what the voxels that a grid shows cover.
+/// Gathers the ranges of all visible voxels of a grid.
 class Gather {
 public:
     Gather(const FloatGrid& grid, const Planes& planes)
@@ -122,7 +122,8 @@ private:
         }
     }
 
-    /// Of tiles, the corners of parts: as large as leaves, or a few thousand.
+    /// Adds the corners of parts of tiles. Parts are as large as leaves, but at most a few
+    /// thousand per tile.
     void add_tiles(std::vector<Covered>& covered) const {
         constexpr int leaf = FloatGrid::TreeType::LeafNodeType::DIM, most_along = 16;
         auto tile = grid_.tree().cbeginValueOn();
@@ -158,7 +159,7 @@ std::optional<ContentReach> content_reach(const FloatGrid& grid, const Rig& rig)
     const Planes planes(rig, voxel);
     const auto covered = Gather(grid, planes).run();
     std::vector<double> u, v;
-    // What lies nearest to an end may lie anywhere beyond it.
+    // Content nearest to an end plane may lie anywhere beyond it.
     const std::size_t end = planes.open() ? 1 : 0;
     for (auto k = end; k + end < covered.size(); ++k) {
         if (covered[k].u.empty()) continue;

@@ -7,16 +7,17 @@
 
 namespace fluidcarve {
 
-/// How far what a grid shows (ShownPart) reaches around a rig, world units.
+/// Size of a grid's visible part (ShownPart) around a rig, world units.
 struct ContentReach {
-    /// Its widths along `u` and `v`: medians over all planes across the rig that show something.
+    /// Widths along `u` and `v`: medians over the planes with visible content, without the ends of
+    /// an open rig.
     double u = 0, v = 0;
-    /// How far it goes on before the first and behind the last plane of an open rig, straight.
+    /// Distances to which it extends before the first and behind the last plane of an open rig.
     double before = 0, after = 0;
 };
 
-/// Measures the voxels of a grid at the planes of the rig that are nearest to them.
-/// @return nothing if the grid shows nothing beside the rig
+/// Measures the visible voxels of a grid, each at the nearest plane of the rig.
+/// @return nothing if no plane that counts has visible content
 /// @throws Failure as resampled() and untwisted()
 std::optional<ContentReach> content_reach(const FloatGrid& grid, const Rig& rig);
 

@@ -8,15 +8,15 @@
 
 namespace fluidcarve {
 
-/// Faults of the cells that insertions add before the first or beyond the last vertices of a
-/// lattice (METHOD 2): they fold, or overlap others, where the lattice itself does not. Collects
-/// them over the frames.
+/// Collects, over the frames, faults of the cells that insertions add before the first or beyond
+/// the last vertices of a lattice (METHOD 2): folds and overlaps that the lattice itself does not
+/// have.
 class Extension {
 public:
     /// Checks the lattice of a frame.
     /// @param axis          along which seams are inserted
-    /// @param below, above  number of vertices that are added before the first and beyond the last,
-    ///   at least 0
+    /// @param below, above  number of vertices added before the first and beyond the last, at
+    ///   least 0
     /// @param frame         frame number
     void add(const Lattice& lattice, Axis axis, int below, int above, int frame);
     /// The worst fault in words, with its frame if the lattice moves; empty if there is none.

@@ -9,8 +9,8 @@ namespace fluidcarve {
 
 namespace {
 
-/// How far the vertices of a plane lie on the right side of the neighbouring plane: affine in `(x,
-/// y)`, world units, above 0 if right.
+/// Signed distance of a plane's vertices from the neighbouring plane: affine in `(x, y)`, world
+/// units, above 0 on the right side.
 struct Clearance {
     double at_origin, per_u, per_v;
     double at(const openvdb::Vec2d& across) const {
@@ -32,7 +32,7 @@ struct Stretch {
             first =
                 per_vertex > 0 ? static_cast<int>(std::min(std::floor(zero) + 1, last)) : vertices;
     }
-    /// Of a row along u.
+    /// The stretch of a row along u.
     Stretch(const Clearance& clearance, int j, int vertices)
         : Stretch(clearance.at({0, static_cast<double>(j)}), clearance.per_u, vertices) {
         // The quotient is rounded: the vertices themselves decide.
@@ -42,14 +42,14 @@ struct Stretch {
         while (end > first && !good(end - 1)) --end;
         while (end < vertices && good(end)) ++end;
     }
-    /// The part that is in both.
+    /// Intersects both stretches.
     void clip(const Stretch& other) {
         first = std::max(first, other.first);
         end = std::min(end, other.end);
     }
 };
 
-/// Of a lattice around its rig. @param extent_u  vertices of a ray
+/// Folded cells of a lattice around its rig. @param extent_u  vertices of a ray
 std::size_t folded_cells_around(const Clearance& upper, const Clearance& lower, int extent_u,
                                 int rays) {
     const Polar polar(rays);

@@ -37,7 +37,7 @@ private:
 };
 
 constexpr double least_volume =
-    1e-6;  ///< of a cell of a box, cubic spacings; flatter ones have no inverse
+    1e-6;  ///< smallest volume of a box's cell, cubic spacings; flatter cells have no inverse
 
 bool near(const Vec3d& a, const Vec3d& b, double tolerance) {
     return (a - b).length() <= tolerance;

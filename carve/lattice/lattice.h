@@ -12,19 +12,19 @@
 
 namespace fluidcarve {
 
-/// The dimension of a lattice that is carved. Along `w`, whole planes leave or are doubled; along
-/// `t`, frames of the sequence, at each vertex another one.
+/// The dimension of a lattice that is carved. A seam takes one entry of each column: along `w` an
+/// entry is a plane of the rig, along `t` a frame of the sequence.
 enum class Axis { u = 0, v = 1, w = 2, t = 3 };
 
 /// "u", "v", "w" or "t".
 std::string to_text(Axis axis);
-/// The axis along which frames are sampled for seams along `axis`: columns `(j, k)` of u for seams
-/// of frames, which are turned later (turned.h).
+/// The axis along which frames are sampled for seams along `axis`. Seams of frames sample columns
+/// of u; turned.h swaps u and time later.
 constexpr Axis sampled_axis(Axis axis) { return axis == Axis::t ? Axis::u : axis; }
-/// Place of a carved axis among a vertex's coordinates; not of `t`, which is none of them.
+/// Index of a carved axis in a vertex's coordinates `(i, j, k)`; not for `t`.
 constexpr std::size_t dimension(Axis axis) { return static_cast<std::size_t>(axis); }
-/// Places of the other two. Columns stand beside each other along the lateral one; slices of them
-/// follow each other along the last. Those of `t` are those of u.
+/// Indices of the other two dimensions; for `t` those of u. The columns of a slice stand side by
+/// side along the lateral dimension, and slices follow each other along the slice dimension.
 constexpr std::size_t lateral_dimension(Axis axis) { return sampled_axis(axis) == Axis::u ? 1 : 0; }
 constexpr std::size_t slice_dimension(Axis axis) { return axis == Axis::w ? 1 : 2; }
 /// A vertex `(i, j, k)` by its entry along the carved axis and its column.
@@ -37,8 +37,8 @@ constexpr std::array<T, 3> vertex_of(Axis axis, T entry, T lateral, T slice) {
     return out;
 }
 
-/// Largest number of vertices along a dimension. Seam entries have 16 bits and need one value more,
-/// for the entry behind the last.
+/// Largest number of vertices along a dimension. Seam entries have 16 bits and need one more
+/// value, for the entry behind the last vertex.
 constexpr int most_vertices = 65534;
 
 /// A grid of `I x J x K` vertices `(i, j, k)` along a rig of planes: the uniform space in which
@@ -74,18 +74,19 @@ struct Lattice {
     openvdb::Vec3d position(const openvdb::Vec3d& at) const;
 };
 
-/// Extends a lattice before its first vertices, and by planes behind its last one. What is added
-/// along w goes on straight, at steps of the spacing. Existing vertices get higher indices.
+/// Extends a lattice before its first vertices, and by planes behind its last one. Planes added
+/// along w continue straight, one spacing apart. Vertices added before the first shift the
+/// existing indices up.
 /// @param below   number of added vertices along u, v and w; around a rig none along u and v, in a
 ///   closed lattice none along w
 /// @param behind  number of planes added behind the last one
 Lattice extended(const Lattice& lattice, const std::array<int, 3>& below, int behind);
 
-/// What the hash of a lattice begins with. Seam files of older versions state hashes without it.
+/// Prefix of a lattice hash. Hashes in seam files of older versions lack it.
 inline constexpr std::string_view lattice_hash_prefix = "xxh3-64:";
 
-/// Hash over all fields of a lattice but its description, at full precision: the prefix and 16 hex
-/// digits.
+/// Hash over all fields of a lattice except its description, at full precision: the prefix and 16
+/// hex digits.
 std::string lattice_hash(const Lattice& lattice);
 
 /// Makes a straight lattice, with description and hash.
@@ -96,7 +97,7 @@ std::string lattice_hash(const Lattice& lattice);
 Lattice make_box(const openvdb::Vec3d& first, const std::array<int, 3>& shape, double spacing,
                  const std::array<int, 3>& axes);
 
-/// Makes a straight lattice of any steps, with description and hash.
+/// Makes a straight lattice with the given steps, with description and hash.
 /// @param steps  from a vertex to the next along u, v and w, world units; not in one plane
 Lattice make_box(const openvdb::Vec3d& first, const std::array<int, 3>& shape,
                  const std::array<openvdb::Vec3d, 3>& steps);

@@ -10,11 +10,11 @@
 namespace fluidcarve {
 
 /// Maps world positions to lattice index coordinates and back: `f` and `g` of METHOD 1 and METHOD
-/// 3. All code that needs `f` or `g` comes here. `g` is trilinear in a cell's vertices, and `f` is
-/// its true inverse. In a straight box both are affine. Other lattices are mapped slab by slab
+/// 3. All code uses this class for both. `g` is trilinear in a cell's vertices, and `f` is its
+/// true inverse. In a straight box both are affine. Other lattices are mapped slab by slab
 /// (slabs.h), and may use the paper's closed form for `f`. In a closed lattice `w` is cyclic: `w`
-/// and `w + K` are the same. So are `v` and `v + J` around a rig, where `g` runs along arcs between
-/// vertices, not along chords.
+/// and `w + K` are the same. So are `v` and `v + J` around a rig, where `g` runs along arcs
+/// between vertices, not along chords.
 class Mapping {
 public:
     static constexpr double snap = snap_width;
@@ -55,7 +55,7 @@ public:
 private:
     openvdb::Vec3d origin_;
     std::array<openvdb::Vec3d, 3> step_;  ///< from a vertex to the next along u, v, w, world units
-    /// Of the lattice coordinates, vertices per world unit.
+    /// Gradients of the lattice coordinates, vertices per world unit.
     std::array<openvdb::Vec3d, 3> gradient_;
     std::array<int, 3> extent_;
     std::shared_ptr<const Slabs> slabs_;

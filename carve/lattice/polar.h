@@ -11,7 +11,7 @@ namespace fluidcarve {
 /// along Plane::u and Plane::v. On the rig, where u is 0, all v are the same place.
 class Polar {
 public:
-    /// @param vertices  of a whole turn, at least 3
+    /// @param vertices  number of vertices in a full turn, at least 3
     explicit Polar(int vertices) : vertices_(vertices) {}
 
     double turn() const { return vertices_; }  ///< v and v + turn() are the same

@@ -35,7 +35,7 @@ public:
         return out;
     }
 
-    /// How far `steps` steps lead beyond the end of the path, as Path::travelled.
+    /// By how much `steps` steps pass the end of the path, measured as Path::travelled.
     double excess(double step, int steps) const {
         Path::Place place;
         for (int n = 0; n < steps; ++n) {

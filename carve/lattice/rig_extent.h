@@ -5,8 +5,8 @@
 
 namespace fluidcarve {
 
-/// From where to where a lattice reaches beside its rig: world units, or percentages of how wide
-/// its content is, so that it holds for content of any size.
+/// The interval that a lattice covers beside its rig: in world units, or in percent of the
+/// content's width, so that one setting serves content of any size.
 struct RigExtent {
     double low = 0, high = 0;
     bool shares = false;

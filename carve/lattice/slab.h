@@ -44,7 +44,7 @@ public:
     std::array<double, 4> cubic(double a, double b, double c) const {
         return {a, b - of_chord_[0], c - of_chord_[1], -of_chord_[2]};
     }
-    /// What at() needs to know of a coordinate `c`. All positions with the same c share it.
+    /// Values that at() needs for a coordinate `c`. All positions with the same c share them.
     struct Level {
         double c;
         double chord_u,

@@ -209,7 +209,7 @@ BBoxd Slabs::candidates(const BBoxd& world, std::vector<int>& slabs) const {
     if (polar_) range = around(range);
     if (!closed_) return range;
 
-    // The range goes the shortest way around the ring: it leaves out the widest gap.
+    // The range is the shortest arc of the ring: it leaves out the widest gap.
     int widest = slabs.front() + size() - slabs.back();
     for (std::size_t n = 1; n < slabs.size(); ++n)
         if (slabs[n] - slabs[n - 1] > widest) {

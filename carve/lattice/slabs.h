@@ -48,7 +48,7 @@ public:
     openvdb::Vec3d position(const openvdb::Vec3d& at) const;
     std::optional<openvdb::Vec3d> locate(const openvdb::Vec3d& world) const;
     /// Whether a box of lattice coordinates lies within the lattice's own cells along u and v.
-    /// Around a rig, this is always denied.
+    /// Always false around a rig.
     bool inside(const openvdb::BBoxd& range) const {
         return !polar_ && range.min().x() >= 0 && range.min().y() >= 0 &&
                range.max().x() <= last_u_ && range.max().y() <= last_v_;
@@ -62,16 +62,16 @@ public:
 
     /// Finds all slabs that may hold points of a world box.
     /// @param slabs  becomes their indices, rising
-    /// @return box around the lattice coordinates of those points; empty if there are none. Along u
-    ///   and v it is not clipped to the extent: it holds the coordinates in the lower plane of each
-    ///   slab, which are affine, widened by their largest error within the slab. The error is
-    ///   linear in u and v, so it is largest in a corner. Along w it holds whole slabs; in a closed
-    ///   lattice the shortest way around, which may go on past K. Around a rig the same holds along
-    ///   v, and u has its bounds
+    /// @return box around the lattice coordinates of those points; empty if there are none. Along
+    ///   u and v it is not clipped to the extent: it holds the coordinates in the lower plane of
+    ///   each slab, which are affine, widened by their largest error within the slab. The error is
+    ///   linear in u and v, so it is largest in a corner. Along w it holds whole slabs; in a
+    ///   closed lattice the shortest arc of the ring, which may continue past K. Around a rig, v
+    ///   is treated like w of a closed lattice, and u has exact bounds
     openvdb::BBoxd candidates(const openvdb::BBoxd& world, std::vector<int>& slabs) const;
     /// World box around all points with lattice coordinates in `range`. It encloses the corners of
     /// `range` at both ends and in all planes between: between planes the lattice is straight.
-    /// Around a rig, they are the corners of the squares that hold the range.
+    /// Around a rig, it encloses the corners of the squares that hold the range.
     openvdb::BBoxd world_box(const openvdb::BBoxd& range) const;
     /// Bounds of the coordinates `(x, y)` of all points in the extent: those of the lattice's rims.
     /// Around a rig, the square that holds them.

@@ -22,8 +22,8 @@ struct Convex {
 /// @throws Failure naming `like` if its transform is not linear, or the border has too many voxels
 MaskGrid::Ptr convex_mask(const openvdb::GridBase& like, const Convex& shape);
 
-/// Tolerance in world units: a voxel centre so far outside of a shape counts as on its border,
-/// since positions are typed rounded.
+/// Tolerance in world units: voxel centres up to this far outside a shape count as on its border,
+/// since typed positions are rounded.
 double convex_slack(const openvdb::GridBase& like);
 
 }  // namespace fluidcarve

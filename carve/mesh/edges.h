@@ -6,7 +6,7 @@
 
 namespace fluidcarve {
 
-/// Only Topology::boundary_edges.
+/// Topology::boundary_edges, without the rest of the topology.
 std::size_t boundary_edges(const Mesh& mesh);
 
 }  // namespace fluidcarve

@@ -11,14 +11,13 @@
 
 namespace fluidcarve {
 
-/// Has a grid that depends on a mesh and on voxels made once for frames that share both, such as
-/// those of a bank that stands still. Frames that wait for it help to make it. The grid of the last
-/// mesh is held.
+/// Computes a grid from a mesh and a transform once for all frames that share both, such as the
+/// frames of a static bank. Waiting frames help with the computation. Keeps only the last grid.
 template <class GridT>
 class MadeOnce {
 public:
-    /// @param mesh, transform  all that the grid depends on
-    /// @param make             makes it: `make() -> std::shared_ptr<GridT>`
+    /// @param mesh, transform  the inputs of the grid
+    /// @param make             computes the grid: `make() -> std::shared_ptr<GridT>`
     /// @throws what `make` throws
     template <class Make>
     Ref<GridT> operator()(const Ref<Mesh>& mesh, const openvdb::math::Transform& transform,

@@ -88,7 +88,8 @@ struct Mesh {
     }
 };
 
-/// The mesh in the shot's world. Its stored form keeps the positions in the file.
+/// Moves a mesh from its file's space into the shot's world. Its stored form keeps the file's
+/// positions.
 /// @param mesh  read from a file, with a stored form
 Mesh placed(Mesh mesh, const Placement& placement);
 /// Vertex positions in the file's space; exactly those of the file where a vertex has not moved.

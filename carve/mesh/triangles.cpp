@@ -22,9 +22,9 @@ double area(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
 struct Corner {
     Vec2d at;
     std::size_t before, after;  ///< neighbours
-    bool reflex = false;     ///< reflex or straight: it is no ear, and only such corners can lie in
-                             ///< the triangle of another
-    std::size_t in_way = 0;  ///< a corner found in its triangle; its own index: none
+    bool reflex = false;        ///< reflex or straight: not an ear; only such corners can lie in
+                                ///< the triangle of another corner
+    std::size_t in_way = 0;     ///< a corner found in its triangle; its own index: none
 };
 
 /// Projects a face along the axis in which its area (Newell's method) is largest, so that it is

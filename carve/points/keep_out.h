@@ -15,8 +15,8 @@ struct KeptOut {
     std::size_t stuck = 0;
 };
 
-/// Moves points inside a solid to its surface, each the shortest way. All other points stay bit for
-/// bit.
+/// Moves each point inside a solid to the nearest place on its surface. All other points stay bit
+/// for bit.
 /// @param solid  a level set, world units, negative inside
 KeptOut kept_out(const Points& points, const FloatGrid& solid);
 

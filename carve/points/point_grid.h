@@ -29,17 +29,17 @@ std::vector<std::uint64_t> point_identities(const openvdb::GridBase& grid);
 /// See Points::has_ids.
 bool has_point_ids(const openvdb::GridBase& grid);
 
-/// The same as with_images of Points. Leaves without changes share their data.
+/// with_images() of Points, for grids. Unchanged leaves share their data.
 openvdb::GridBase::ConstPtr with_images(const openvdb::GridBase& grid,
                                         const std::vector<PointImage>& images,
                                         const openvdb::GridBase* more = nullptr);
-/// The same as alike() of Points.
+/// alike() of Points, for grids.
 bool alike(const openvdb::GridBase& a, const openvdb::GridBase& b);
 
 /// Converts PLY vertices to a grid `points` in the same space. Its origin is at the centre of the
 /// points, with about eight points per voxel of their bounding box. Positions become floats within
-/// their voxel, three properties `name_x`, `name_y`, `name_z` of one type a vector, integers the
-/// smallest type that holds their PLY type.
+/// their voxel. Three properties `name_x`, `name_y`, `name_z` of one type become a vector.
+/// Integers get the smallest type that holds their PLY type.
 openvdb::GridBase::Ptr grid_of(const PointTable& points);
 
 /// Converts points to PLY vertices in the grid's space: positions become doubles, vectors `name_x`,

@@ -6,11 +6,11 @@
 
 namespace fluidcarve {
 
-/// A point of a changed point set: the source point that it is, or is a copy of, and its new
-/// position.
+/// A point of a changed point set: the index of its source point, and its new position. Copies of
+/// a point have the same source.
 struct PointImage {
     std::uint32_t source = 0;      ///< index of the source point
-    bool moved = false;            ///< false: it keeps its position bit for bit
+    bool moved = false;            ///< false: the position stays bit for bit
     openvdb::Vec3d position{0.0};  ///< new world position, if it moved
 };
 

@@ -134,7 +134,7 @@ Points with_vectors(const Points& points, const std::string& name,
         if (array.valueType() == openvdb::typeNameAsString<Vec3f>()) write(Vec3f{});
         else write(Vec3d{});
     });
-    // Share the transform: a copy of a map moves points by a rounding.
+    // Share the transform: a copied map would move points by rounding errors.
     const auto grid =
         std::const_pointer_cast<openvdb::GridBase>(points.grid->copyGridReplacingTransform(
             std::const_pointer_cast<openvdb::math::Transform>(points.grid->transformPtr())));

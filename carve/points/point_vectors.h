@@ -9,8 +9,8 @@
 
 namespace fluidcarve {
 
-/// The attribute that holds the velocities of points: `v`, `vel`, `velocity`, or the only one whose
-/// name ends with `velocity`. In a PLY file three columns, such as `vx`, `vy`, `vz` or
+/// The attribute that holds the velocities of points: `v`, `vel`, `velocity`, or the only one
+/// whose name ends with `velocity`. In a PLY file it is three columns, such as `vx`, `vy`, `vz` or
 /// `velocity_x`, `velocity_y`, `velocity_z`. Empty if there is none.
 std::string velocity_name(const Points& points);
 
@@ -19,8 +19,8 @@ std::string velocity_name(const Points& points);
 /// @return empty if the points have no such attribute
 std::vector<openvdb::Vec3d> vectors_of(const Points& points, const std::string& name);
 
-/// The points with other vectors; all else stays bit for bit.
-/// @param name     as for vectors_of(), which does not return nothing
+/// The points with an attribute's vectors replaced; all else stays bit for bit.
+/// @param name     as for vectors_of(); the points must have this attribute
 /// @param vectors  one per point
 Points with_vectors(const Points& points, const std::string& name,
                     const std::vector<openvdb::Vec3d>& vectors);

@@ -37,8 +37,8 @@ struct Points {
 /// A point set made of points of the source. Attributes, groups and text tables are kept.
 /// @param images  the points of the result, sorted by source; source points without an image are
 ///   removed
-/// @param more    points alike(source, more), all of which that have an image are moved; they count
-///   on from those of the source
+/// @param more    further source points, numbered after those of `source`; alike(source, more),
+///   and their images all moved
 Points with_images(const Points& source, const std::vector<PointImage>& images,
                    const Points* more = nullptr);
 

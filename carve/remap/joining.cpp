@@ -20,7 +20,7 @@ constexpr double across_of_thickness =
     0.5;  ///< the squeeze follows the seam's surface, but not its steps
 
 constexpr double beside_fade =
-    3;  ///< vertices: a squeeze reaches further than the fade that it goes with
+    3;  ///< vertices: a squeeze reaches this far beyond the fade that accompanies it
 
 Join join_of(const JoinParams& params, bool thick) {
     return params.join.value_or(params.soft            ? Join::squeeze
@@ -74,7 +74,7 @@ TimeJoin time_join_of(const JoinParams& params, bool thick) {
         }
         case Join::fade: break;
     }
-    // Neighbouring frames may mix for long, but of those far apart two would be seen at once.
+    // Neighbouring frames may blend for long; frames far apart would show as two images at once.
     constexpr double of_thin = 4, of_thick = 2;
     return {frames(params.fade.value_or(thick ? of_thick : of_thin)), false};
 }

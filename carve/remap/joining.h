@@ -13,7 +13,7 @@ namespace fluidcarve {
 enum class Join {
     cut,      ///< whole vertices are taken and added
     squeeze,  ///< the space around each seam is squeezed or stretched
-    fade,     ///< both sides are faded into each other (Joins)
+    fade,     ///< both sides are blended (Joins)
 };
 
 template <>
@@ -23,7 +23,7 @@ struct ChoiceNames<Join> {
                                          std::pair{"fade", Join::fade}};
 };
 
-/// How both sides of seams meet, as it is wished for (pipelines/NODES.md says what each means).
+/// The user's parameters for how both sides of seams meet (meanings: pipelines/NODES.md).
 struct JoinParams {
     Auto<Join> join;
     Auto<double> fade;
@@ -32,13 +32,15 @@ struct JoinParams {
 };
 
 /// How the displacements of a seam set are smoothed, and how its sides are joined.
-/// @throws Failure if `soft` or `fade` is wider than the lattice has room for
+/// @throws Failure if `soft` is wider than the lattice, or `fade` wider than the room between two
+///   joins
 Softness softness_of(const JoinParams& params, const Seams& seams);
 
-/// How places go over from one frame to another, if seams are seams of frames.
+/// How content changes from one source frame to the next at a seam of frames.
 struct TimeJoin {
-    int fade = 1;        ///< frames; 1: at once
-    bool moved = false;  ///< by moments between, along the flow; false: both sides are blended
+    int fade = 1;        ///< the window F of METHOD 12 "Seams of frames", frames; 1: a cut
+    bool moved = false;  ///< true: moments between frames are shown, moved along the flow; false:
+                         ///< both sides are blended
 };
 /// @param thick  as of Seams
 /// @throws Failure if `soft_time` is stated

@@ -43,7 +43,7 @@ public:
 
     /// Moves a point for `duration`.
     /// @param voxel  longest way of a step, world units
-    /// @return nothing if the point starts or comes where the velocity is inactive
+    /// @return nothing if the point starts in, or reaches, inactive velocity
     std::optional<Vec3d> moved(Vec3d p, double duration, double voxel) const {
         for (double left = duration; left > 0;) {
             if (!accessor_.isValueOn(grid_.transform().worldToIndexCellCentered(p)))

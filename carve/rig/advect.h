@@ -10,8 +10,8 @@ namespace fluidcarve {
 /// @param radius  world units
 std::vector<openvdb::Vec3d> points_in_ball(const openvdb::Vec3d& center, double radius, int count);
 
-/// Moves points with the flow, in steps of at most a voxel (Runge-Kutta, fourth order). Points that
-/// start or come where the velocity is inactive are removed: they would stand still and hold the
+/// Moves points with the flow, in steps of at most a voxel (Runge-Kutta, fourth order). Points
+/// that start in, or reach, inactive velocity are removed: they would stand still and hold the
 /// centroid back. The others keep their order.
 /// @param velocity  world units that a point moves per unit of `duration`; staggered or not
 /// @param duration  above 0

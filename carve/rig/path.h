@@ -8,7 +8,7 @@
 
 namespace fluidcarve {
 
-/// A rig as a curve that can be walked along.
+/// Walks along a rig.
 class Path {
 public:
     /// A place on the path. In a closed rig, `piece` goes on counting in the next round.
@@ -30,7 +30,8 @@ public:
     openvdb::Vec3d direction(const Place& from, const Place& to) const;
     /// Length of the path up to a place: world units, of ovals radians.
     double travelled(const Place& place) const;
-    /// The same up to the end of an open rig as given, or for one round of a closed one.
+    /// Length up to the end of an open rig without its extension, or of one round of a closed rig:
+    /// world units, of ovals radians.
     double end() const { return end_; }
     /// Length of the rig, world units; of ovals an approximation.
     double length() const { return length_; }

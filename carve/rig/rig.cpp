@@ -42,7 +42,7 @@ std::string rig_fault(const Rig& rig) {
                 text_of(points[n]),
                 n + 1 == count ? "; a closed rig returns to its first point by itself" : "");
     for (std::size_t n = rig.closed ? 0 : 1; n < chords; ++n)
-        // The turn is within half a degree of straight back.
+        // The rig turns straight back, within half a degree.
         if (const auto before = chord(n + count - 1), after = chord(n);
             before.dot(after) < -0.99996 * before.length() * after.length())
             return fmt::format("the rig turns right back at point {}, {}", n + 1,

@@ -32,12 +32,12 @@ struct Rig {
 /// A closed rig along an oval, with its points.
 Rig oval_rig(const Rig::Oval& oval, const openvdb::Vec3d& up);
 
-/// Why a rig is no valid path, in words; empty if it is one. Faults: fewer than 2 points (3 if
-/// closed); equal neighbouring points; a point where the rig turns straight back.
+/// Why a rig is not a valid path, in words; empty if it is valid. Faults: fewer than 2 points (3
+/// if closed); equal neighbouring points; a point where the rig turns straight back.
 std::string rig_fault(const Rig& rig);
 
-/// Where a rig lies: a box for each of the lines between its points, or, if there are many, for a
-/// few lines in a row.
+/// The region of a rig: a box for each segment between points, or, if there are many, for a few
+/// consecutive segments.
 Region region_of(const Rig& rig);
 
 /// For messages: "(1, 2, 3)".

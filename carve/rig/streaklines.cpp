@@ -22,7 +22,7 @@ void join(Line& line, const Vec3d& point, double apart) {
     if (line.empty() || (point - line.back()).length() >= apart) line.push_back(point);
 }
 
-/// The streakline of a frame. It goes on along the way that the oldest set takes in later frames.
+/// The streakline of a frame, extended along the path that the oldest set takes in later frames.
 Line continued(const std::vector<Streakline>& streaklines, std::size_t t, double apart) {
     Line out;
     for (const auto& point : streaklines[t].points) join(out, point, apart);
@@ -39,9 +39,9 @@ double length_of(const Line& line) {
     return out;
 }
 
-/// A line of a stated length through another, in equal steps. Behind the other's end it goes on
-/// straight, in the direction from the other's start to its end: a line's last few points sway more
-/// than the whole of it.
+/// Resamples a line in equal steps to a stated length. Beyond its end the line continues straight,
+/// in the direction from its start to its end: a line's last few points sway more than the whole
+/// line.
 Line drawn(const Line& line, double length, std::size_t steps) {
     const auto chord = line.back() - line.front(), last = line.back() - line[line.size() - 2];
     const auto onwards = (chord.length() > last.length() ? chord : last).unit();
@@ -62,7 +62,7 @@ Line drawn(const Line& line, double length, std::size_t steps) {
     return out;
 }
 
-/// Gives each frame without a line that of the nearest frame with one.
+/// Gives each frame without a line the line of the nearest frame with one.
 void fill(std::vector<Line>& lines) {
     const auto known = lines;
     for (std::size_t t = 0; t < lines.size(); ++t)

@@ -8,32 +8,35 @@
 
 namespace fluidcarve {
 
-/// The line of all that the flow took along from a seed, as it is in one frame (METHOD 2 "Moving
-/// rigs").
+/// The line in one frame through everything that the flow has carried away from a seed (METHOD 2
+/// "Moving rigs").
 struct Streakline {
-    std::vector<openvdb::Vec3d> points;  ///< the seed, then the middles of the sets of points, the
-                                         ///< latest first; world units
-    std::size_t oldest = 0;              ///< the set that the last point is the middle of
+    std::vector<openvdb::Vec3d> points;  ///< the seed, then the centroids of the sets of points,
+                                         ///< the latest set first; world units
+    std::size_t oldest = 0;              ///< the set whose centroid is the last point
 };
 
-/// What the lines of all frames become.
+/// How moving_lines() shapes the lines of all frames.
 struct LineShape {
     double apart = 0;  ///< distance of neighbouring points along a line, world units, above 0
-    std::optional<double> length;  ///< of all lines, world units; nothing: that of the longest
-    int steady = 0;  ///< frames before and after a frame that have a share in its line
+    std::optional<double> length;  ///< length of all lines, world units; nothing: that of the
+                                   ///< longest
+    int steady = 0;  ///< number of frames on either side that are averaged into a frame's line
 };
 
-/// Lines of one length and one number of points, each from the seed on: streaklines, continued,
-/// drawn anew in equal steps, and averaged over frames (METHOD 2 "Moving rigs").
-/// @param streaklines  of each frame, and at the end one more: where the sets stand after the last
-///   frame; it may have no points
-/// @return for each frame, world units; empty if no frame has a line longer than `apart`
-/// @throws Failure if a line had more than a million points
+/// Turns streaklines into lines of one length and one number of points, each starting at the seed:
+/// extends them, resamples them in equal steps and averages them over frames (METHOD 2 "Moving
+/// rigs").
+/// @param streaklines  one per frame, and one more with the sets' positions after the last frame,
+///   which may have no points
+/// @return one line per frame, world units; empty if no frame has points at least `apart` from
+///   each other
+/// @throws Failure if a line would have more than a million points
 std::vector<std::vector<openvdb::Vec3d>> moving_lines(const std::vector<Streakline>& streaklines,
                                                       const LineShape& shape);
 
-/// How far two lines with as many points are apart where they differ most, point by point; world
-/// units.
+/// Largest distance between corresponding points of two lines, world units. If one line is longer,
+/// its further points do not count.
 double largest_distance(const std::vector<openvdb::Vec3d>& a, const std::vector<openvdb::Vec3d>& b);
 
 }  // namespace fluidcarve

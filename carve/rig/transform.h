@@ -14,7 +14,7 @@ Rig moved(const Rig& rig, double scale, const openvdb::Vec3d& pivot,
           const openvdb::Vec3d& translate);
 
 /// Extends an open rig straight beyond its ends.
-/// @param before, after  by how much at its start and its end; world units, at least 0
+/// @param before, after  added length at its start and its end, world units, at least 0
 Rig extended(const Rig& rig, double before, double after);
 
 }  // namespace fluidcarve

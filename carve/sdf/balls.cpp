@@ -36,15 +36,15 @@ using Four = double __attribute__((vector_size(32)));
 /// fours.
 using Squares = std::array<Four, Leaf::SIZE / 4>;
 
-/// Lowers the squares of a block by those to more centres.
+/// Lowers the squared distances of a block to those of further centres, where these are smaller.
 /// @param places    indices of the centres
-/// @param farthest  distance from a centre beyond which it does not matter
+/// @param farthest  distance beyond which a centre has no effect
 FLUIDCARVE_WIDE void lower(const Coord& block, std::span<const Vec3d> centres,
                            std::span<const openvdb::PointIndex32> places, double farthest,
                            Squares& squares) {
     for (const std::uint32_t place : places) {
         double along[3][8];
-        int first[3], end[3];  // of the voxels that are near enough along each axis
+        int first[3], end[3];  // range of the voxels that are near enough along each axis
         for (int axis = 0; axis < 3; ++axis) {
             const double at = centres[place][axis];
             for (int n = 0; n < 8; ++n) {

@@ -56,8 +56,8 @@ public:
         cell.sum += sum;
     }
 
-    /// The bound. Bands of small triangles overlap: those of a cell together count at most as their
-    /// bounding box.
+    /// The bound. Bands of small triangles overlap: the triangles of a cell together count at most
+    /// as their bounding box.
     double voxels() const {
         double out = large_;
         for (const auto& [at, cell] : cells_) out += std::min(cell.sum, grown(cell.box));
@@ -93,7 +93,7 @@ struct Triangles {
             const auto at = transform.worldToIndex(point);
             for (int c = 0; c < 3; ++c)
                 if (!(std::abs(at[c]) <= reach) && !std::isnan(reach))
-                    reach = std::abs(at[c]);  // of a place that is no number, it stays none
+                    reach = std::abs(at[c]);  // stays NaN if the position is NaN
             points.emplace_back(at);
         }
         if (!(reach <= farthest))

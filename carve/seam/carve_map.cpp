@@ -20,8 +20,8 @@ std::string text(const std::array<int, 3>& shape) {
     return fmt::format("{} x {} x {}", shape[0], shape[1], shape[2]);
 }
 
-/// Whether seams were found in a lattice. Without a hash that is used today, the lattice's
-/// description decides; of lattices that change, it tells nothing.
+/// Whether seams were found in a lattice. If their hash is of an older form, the lattice's
+/// description decides, except for lattices that change.
 bool found_in(const Seams& seams, const std::string& hash, const Lattice& lattice) {
     if (hash.starts_with(lattice_hash_prefix)) return hash == lattice.hash;
     return seams.lattice == lattice.description || hash != seams.lattice_hash;
@@ -158,7 +158,8 @@ openvdb::BBoxd CarveMap::moved() const {
     if (!steps_.empty() && (steps_.front().closed() || steps_.front().turns()))
         out.max().z() = reach_[2];
     if (!steps_.empty() && steps_.front().around()) out.max().y() = reach_[1];
-    // If several axes are carved, a step along one axis moves vertices all along the others.
+    // If several axes are carved, a step along one axis moves vertices over the full length of the
+    // others.
     const bool one_axis = std::all_of(steps_.begin(), steps_.end(), [&](const CarveStep& step) {
         return step.axis() == steps_.front().axis();
     });

@@ -18,10 +18,10 @@
 
 namespace fluidcarve {
 
-/// A chain of seam sets and warps in one frame (METHOD 4). Each set is carved from what the sets
-/// before it leave. To find the source of a carved vertex, the steps are applied from the last to
-/// the first. A vertex outside a step's lattice stays in place. A vertex that a removal frees at an
-/// end becomes background.
+/// A chain of seam sets and warps in one frame (METHOD 4). Each set is carved from the result of
+/// the sets before it. To find the source of a carved vertex, the steps are applied from the last
+/// to the first. A vertex outside a step's lattice stays in place. A vertex that a removal frees
+/// at an end becomes background.
 /// Coordinates are those of extended(): the lattice, and before its first vertices those that
 /// anchored insertions add.
 class CarveMap {
@@ -29,18 +29,18 @@ public:
     /// @param sets      in the order of carving
     /// @param frame     frame number
     /// @param count     number of seams used of the last set; nothing: all
-    /// @param softness  of seams; a warp is smooth as it is
+    /// @param softness  of seams; a warp is already smooth
     /// @throws Failure if a set is of frames, belongs to another lattice or misses the frame, if
     ///   shapes do not chain, or if count is too high
     CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets,
              int frame, std::optional<std::size_t> count, const Softness& softness = {});
 
-    /// The same, with a softness for each set; none for the others.
+    /// The same, with one softness per set; sets beyond the span get none.
     CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets,
              int frame, std::optional<std::size_t> count, std::span<const Softness> softness);
 
-    /// The lattice in whose index coordinates the map works: the given one, but its first vertices,
-    /// and its last plane, may lie further out.
+    /// The lattice in whose index coordinates the map works: the given one, extended before its
+    /// first vertices and behind its last plane as anchored insertions need.
     Lattice extended(const Lattice& lattice) const;
     /// Number of vertices before the lattice's first ones.
     const std::array<int, 3>& below() const { return below_; }
@@ -48,14 +48,14 @@ public:
     /// Fades displacements linearly to 0 towards lateral rims and open ends. Without a fade they
     /// end there with a jump (METHOD 4 "Tears"). A point's content then comes from `u + s (m - u)`
     /// instead of `m`, with `s` from 0 to 1 (CarveStep::scale). `m` never falls along the axis, so
-    /// neither does this: the map does not fold. The entries that a removal frees, or an insertion
-    /// adds beyond the lattice, shrink by `s` too. Nothing changes at `vertices` or more from rims
-    /// and ends.
+    /// the faded map does not fold. The entries that a removal frees, or an insertion adds beyond
+    /// the lattice, shrink by `s` too. Nothing changes at `vertices` or more from rims and ends.
     /// @param vertices  length of the fade, above 0
-    /// @throws Failure if the lattice is so thin that no vertex would move as far as asked for
+    /// @throws Failure if the lattice is so thin that no vertex would move by its full
+    ///   displacement
     void fade(double vertices);
     bool fades() const;
-    /// Whether the displacements of any step are smooth: those of a warp, or smoothed ones.
+    /// Whether any step has smooth displacements: a warp, or softened seams.
     bool soft() const;
     /// Whether the seams of any step are joined by a fade.
     bool joins() const;

@@ -169,7 +169,7 @@ std::vector<CarveStep::Span> CarveStep::windows(const Seams& seams) const {
             Window{start_ + seams.window->first, start_ + seams.window->last + growth()},
             Window{moved + seams.pair_window->first, moved + seams.pair_window->last - growth()}};
     } else {
-        // A file may state no windows. They then begin and end where the seams do.
+        // A file may state no windows. Then the seams' first and last entries are the windows.
         for (std::size_t c = 0; c < bounds_.size(); c += 2 * count_)
             for (std::size_t n = 0; n < 2; ++n) {
                 out[n].first = std::min<int>(out[n].first, bounds_[c + n * count_]);

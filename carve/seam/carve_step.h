@@ -23,9 +23,10 @@ class SmoothDisplacement;
 /// One seam set in one frame, as a map from carved to original vertices along the carved axis:
 /// `m(i)` of METHOD 4. Pairs of seams move only the entries between their two windows. A warp is
 /// always smooth: it has displacements soft(), and no bounds.
-/// Entries are positions along the axis. With an anchor, the carved space may begin at another
-/// entry than the space before. The content of carved entry `i` comes from entry `i + d`.
-/// Displacements `d` are in half vertices, since an inserted entry stands between two.
+/// Entries are positions along the axis. The space before is the one that the step carves. With an
+/// anchor, the carved space may begin at another entry than the space before. The content of
+/// carved entry `i` comes from entry `i + d`. Displacements `d` are in half vertices, since an
+/// inserted entry stands between two.
 class CarveStep {
 public:
     /// @param t       index of the frame in seams.frames
@@ -34,13 +35,13 @@ public:
     CarveStep(const Seams& seams, std::size_t t, std::size_t count,
               const std::array<int, 3>& origin = {});
 
-    // Places among a vertex's coordinates.
+    // Indices of the dimensions in a vertex's coordinates.
     int axis() const { return axis_; }
     int lateral_axis() const { return lateral_axis_; }
     int slice_axis() const { return slice_axis_; }
     bool inserts() const {
         return inserts_;
-    }  ///< of pairs, the seams of the first window; not for a warp
+    }  ///< whether seams insert; of pairs, those of the first window; false for a warp
     bool paired() const { return paired_; }
     bool thick() const {
         return thick_;
@@ -51,11 +52,11 @@ public:
     }  ///< whether slice slices() is slice 0 again; first_slice() is then 0
     bool turns() const {
         return turns_;
-    }  ///< whether the planes that are carved are closed: entry before() is entry 0 again
+    }  ///< whether the carved axis is a ring: entry before() is entry 0 again
     bool around() const {
         return around_;
     }  ///< whether column laterals() is column 0 again; first_lateral() is then 0
-    int count() const { return static_cast<int>(count_); }  ///< of seams; 0 for a warp
+    int count() const { return static_cast<int>(count_); }  ///< number of seams; 0 for a warp
     int before() const { return before_; }  ///< vertices along the axis before the carve
     int after() const { return after_; }
     int laterals() const { return laterals_; }
@@ -98,10 +99,10 @@ public:
     /// The smoothed displacements; null if whole vertices move.
     const SmoothDisplacement* soft() const { return soft_.get(); }
 
-    /// Fades both sides of seams into each other. The smoothed displacements then say how what is
-    /// wider than the seams is squeezed or stretched.
+    /// Blends both sides of each seam. The smoothed displacements then apply to the slow part of
+    /// values only (METHOD 10 "Joins").
     void set_joins(std::shared_ptr<const Joins> joins) { joins_ = std::move(joins); }
-    /// Where seams are joined by a fade; null if they are not.
+    /// The joins of faded seams; null if seams are not faded.
     const Joins* joins() const { return joins_.get(); }
 
     /// Whether the step carves or frees a point of its carved space.
@@ -126,13 +127,13 @@ public:
                      slice = closed_ ? fade_ : from_rim(at[slice_axis_] - first_slice_, slices_);
         return std::min(1.0, std::min(lateral, slice) / fade_);
     }
-    /// Where something begins and ends along the axis.
+    /// An interval along the axis, entries.
     struct Ends {
         double begin, end;
     };
-    /// The carved space at a point. The entries that a removal frees, or an insertion adds, are
-    /// scaled too. A warp's ends stand where it moves the first and the last vertex of the column;
-    /// if it moves them, the content goes on for half a vertex.
+    /// The carved space in the column of a point. The entries that a removal frees, or an
+    /// insertion adds, are scaled too. A warp's ends are the carved positions of the column's
+    /// first and last vertex; if the warp moves them, they lie half a vertex further out.
     /// @param at     carved lattice coordinates, held
     /// @param scale  scale(at)
     Ends ends(const openvdb::Vec3d& at, double scale) const {
@@ -164,8 +165,8 @@ public:
     double held(double source) const {
         return std::clamp(source, static_cast<double>(origin_), static_cast<double>(last_before()));
     }
-    /// The source of a point at `u` under a fade: `source`, its source without a fade, drawn
-    /// towards `u`; never beyond the lattice.
+    /// The source of a point at `u` under a fade: `source`, without a fade, is moved towards `u`
+    /// and stays in the lattice.
     double drawn(double u, double source, double scale) const {
         return scale < 1 ? held(u + scale * (source - u)) : source;
     }
@@ -175,8 +176,8 @@ public:
         return lateral >= first_lateral_ && lateral <= last_lateral() && slice >= first_slice_ &&
                slice <= last_slice();
     }
-    /// The carved entries from which on the seams of a column displace, one per seam, rising. For
-    /// an insertion it is the new entry; if slabs are doubled, the first entry of the second copy.
+    /// For each seam of a column, the first carved entry that the seam displaces; rising. For an
+    /// insertion this is the new entry; if slabs are doubled, the first entry of the second copy.
     /// Of pairs, seams of the first window come first.
     /// @param slice  may be slices() if closed()
     std::span<const std::uint16_t> bounds(int lateral, int slice) const {

@@ -16,13 +16,14 @@ constexpr int most_rows = 128;   ///< of a plane
 constexpr int most_planes = 32;  ///< of a frame
 
 constexpr std::size_t parts =
-    8;  ///< of the seams: so many numbers of seams are compared, and none at all
+    8;  ///< how many numbers of seams are compared, in equal steps up to all, besides none
 
-constexpr float visible_share = 0.02f;  ///< of the greatest value of a frame: less is empty space
-constexpr Softness softness{3, 0};      ///< as carves have it unless they say otherwise
+constexpr float visible_share = 0.02f;  ///< of the greatest value of a frame: lower values are
+                                        ///< empty space
+constexpr Softness softness{3, 0};      ///< the default of carves
 
-/// How many seams of a set may be chosen: all; of slabs that are doubled, as many whole ones as a
-/// third of the lattice's vertices holds, since more repeats stand side by side.
+/// Largest number of seams that may be chosen: all; of doubled slabs, as many whole slabs as a
+/// third of the lattice's vertices holds, since more would show repeats side by side.
 std::size_t most_of(const Seams& set) {
     if (!set.thick() || set.kind == Seams::Kind::remove) return set.size();
     const int third = set.carved() / 3;
@@ -67,7 +68,7 @@ std::vector<Plane> planes_of(const Seams& set, const Lattice& lattice, const Flo
     return out;
 }
 
-/// A plane carved by some seams, and scaled evenly from there on to a number of vertices.
+/// A plane carved by some seams, then scaled evenly to a number of vertices.
 PlaneSamples carved(const Plane& plane, const CarveMap& map, int width) {
     const auto& source = plane.source;
     PlaneSamples out(width, source.rows);
@@ -76,7 +77,7 @@ PlaneSamples carved(const Plane& plane, const CarveMap& map, int width) {
     const double scale = width > 1 ? static_cast<double>(left - 1) / (width - 1) : 0;
     for (int row = 0; row < source.rows; ++row) {
         const auto* const values = source.row(row);
-        // Where an entry that the seams leave comes from.
+        // The source of a carved entry.
         const auto from = [&](int entry) {
             if (!step) return static_cast<double>(entry);
             const int at = step->start() + entry;

@@ -11,29 +11,28 @@
 
 namespace fluidcarve {
 
-/// How many seams of a set look best together with a warp of the rest (METHOD 11 "Seams or a
-/// warp"). Some numbers of seams are compared, in some planes of some frames, with even scaling in
-/// place of the warp. Of slabs that are doubled, it takes at most what a third of the lattice's
-/// vertices holds: more repeats would stand side by side.
+/// Chooses how many seams of a set look best if a warp does the rest (METHOD 11 "Seams or a
+/// warp"). Compares some numbers of seams in some planes of each frame; even scaling stands for
+/// the warp. Doubled slabs get at most a third of the lattice's vertices: more would show repeats
+/// side by side.
 class SeamChoice {
 public:
     /// @param seams  thin or thick, not in pairs, no warp
     explicit SeamChoice(Ref<Seams> seams);
 
-    /// Adds what one frame shows.
-    /// @param field  that is seen
+    /// Adds one frame.
+    /// @param field  the field that people look at
     void add(const Lattice& lattice, const FloatGrid& field, int frame);
 
-    /// The numbers that are compared, from 0 on, rising.
+    /// The compared numbers of seams, rising from 0.
     const std::vector<std::size_t>& counts() const { return counts_; }
-    /// Distance from the input for each of them; of even scaling alone, it is 1.
+    /// Distance from the input for each of counts(), as a multiple of that of even scaling alone.
     std::vector<double> distances() const;
     /// The number whose distance is least.
     std::size_t best() const;
 
 private:
-    /// What is compared of one number of seams: each patch of the result with the input, and the
-    /// other way round.
+    /// Patch distances for one number of seams: from result to input, and from input to result.
     struct Distances {
         PatchSum of_result, of_input;
         double sum() const { return of_result.root_mean() + of_input.root_mean(); }

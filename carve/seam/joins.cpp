@@ -10,7 +10,7 @@ namespace fluidcarve {
 
 namespace {
 
-/// Weights of the mean over columns beside each other, and over frames.
+/// Weights of the mean over neighbouring columns, and over frames.
 constexpr std::array<float, 5> tent{1 / 9.0f, 2 / 9.0f, 3 / 9.0f, 2 / 9.0f, 1 / 9.0f};
 
 /// Rises smoothly from 0 to 1.
@@ -137,7 +137,7 @@ void Joins::sides(const openvdb::Vec3d& at, std::vector<Side>& to) const {
                      high = columns[2][n] + b * (columns[3][n] - columns[2][n]);
         return low + c * (high - low);
     };
-    // Joins far below the point show nothing of what lies before them.
+    // Joins far below the point show no content from before them.
     std::size_t first = 0;
     for (auto left = seams_; left > 0;) {
         const auto half = left / 2;
@@ -149,13 +149,13 @@ void Joins::sides(const openvdb::Vec3d& at, std::vector<Side>& to) const {
         }
     }
     const auto one = paired_ ? seams_ / 2 : seams_;
-    double shown = 1;  // of what lies behind the joins passed so far
+    double shown = 1;  // share of the content behind the joins passed so far
     for (auto n = first; n < seams_; ++n) {
         const double from = place(n);
         double behind = 0;
         if (from < u + fade_ / 2) {
             const auto& window = windows_[n < one ? 0 : windows_.size() - 1].entries;
-            // A fade stays in its window: what is beyond keeps its place.
+            // A fade stays in its window: content beyond keeps its place.
             const double width = std::min(
                 {fade_, 2 * (from - (window.first - 0.5)), 2 * (window.last + 0.5 - from)});
             behind = std::min(shown, width > 1e-3 ? rise((u - from) / width + 0.5)

@@ -11,12 +11,12 @@
 
 namespace fluidcarve {
 
-/// Where both sides of each seam of a step meet in one frame, and how they are faded into each
-/// other (METHOD 10 "Joins"). A join lies between two carved entries. It is a smooth surface: the
-/// mean of the seam's places in columns and frames around.
+/// The joins of a step in one frame: the surfaces at which both sides of each seam are blended
+/// (METHOD 10 "Joins"). A join lies between two carved entries. It is smooth: the mean of the
+/// seam's positions in neighbouring columns and frames.
 class Joins {
 public:
-    /// Content that a point shows a part of: that of the point displaced by whole vertices.
+    /// One of the sources blended at a point: the point displaced by whole vertices.
     struct Side {
         double by;      ///< displacement along the axis, vertices
         double weight;  ///< above 0, at most 1
@@ -25,32 +25,32 @@ public:
     /// @param steps    the same step in neighbouring frames: an odd number, this frame in the
     ///   middle
     /// @param windows  of the step, rising: fades stay within them
-    /// @param fade     vertices over which both sides are faded
+    /// @param fade     vertices over which both sides are blended
     Joins(std::span<const CarveStep* const> steps, std::span<const CarveStep::Span> windows,
           double fade);
 
     double fade() const { return fade_; }
-    /// The sides that a point of the carved space shows. Their weights sum to 1; far from all joins
-    /// there is one.
+    /// Finds the sides blended at a point of the carved space. Their weights sum to 1; far from
+    /// all joins there is only one side.
     /// @param at  carved lattice coordinates that the step holds
     /// @param to  becomes the sides, in the order of the joins
     void sides(const openvdb::Vec3d& at, std::vector<Side>& to) const;
-    /// Finds the places where a point shows after the step: none if it is removed, several if it is
-    /// doubled. Where two sides are blended, each shows as large a part of the points as its
-    /// weight; `share` decides whether this point belongs to it.
+    /// Finds the places of a particle after the step: none if it is removed, several if it is
+    /// doubled. Where sides are blended, each side shows a fraction of the particles equal to its
+    /// weight; `share` decides whether this particle is among them.
     /// @param at     lattice coordinates before the step
-    /// @param share  of the point, from 0 up to 1, evenly distributed over points
+    /// @param share  the particle's own number in [0, 1), evenly distributed over particles
     /// @param to     becomes the coordinates along the axis, rising from side to side
     void places(const CarveStep& step, const openvdb::Vec3d& at, double share,
                 std::vector<double>& to) const;
-    /// Bounds of the displacements of all sides that points of a box show, vertices.
+    /// Bounds of the displacements of all sides of all points of a box, vertices.
     /// @param first, size  vertices of the box, by entry, lateral column and slice; columns and
     ///   slices may go round
     std::array<double, 2> range(const std::array<int, 3>& first,
                                 const std::array<int, 3>& size) const;
 
 private:
-    /// The displacement behind so many seams of a column, vertices.
+    /// The displacement behind the first `passed` seams of a column, vertices.
     double displacement(std::size_t passed) const;
     const float* column(int lateral, int k) const {
         return places_.data() +
@@ -58,7 +58,7 @@ private:
                 static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) *
                    seams_;
     }
-    /// Averages places over columns beside each other.
+    /// Averages places over neighbouring columns.
     /// @param ring  whether the last column is beside the first
     void smooth(int count, std::size_t stride, int lines, std::size_t between, bool ring);
 
@@ -67,8 +67,8 @@ private:
     std::size_t seams_;  ///< in a column
     double fade_;
     std::vector<CarveStep::Span> windows_;
-    std::vector<float> places_;  ///< `[column][seam]`, rising: entries, half a vertex before the
-                                 ///< first that is displaced
+    std::vector<float> places_;  ///< `[column][seam]`, rising: positions of the joins, half a
+                                 ///< vertex before the first displaced entry
 };
 
 }  // namespace fluidcarve

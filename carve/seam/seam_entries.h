@@ -14,8 +14,8 @@
 namespace fluidcarve {
 
 /// One seam's entries for all columns of a sequence, in memory or in a mapped file that disappears
-/// with the process. Copies share their entries; those in memory only until one of the copies is
-/// changed.
+/// with the process. Copies share their entries. Entries in memory are copied on write; entries in
+/// a file stay shared.
 class SeamEntries {
 public:
     SeamEntries() = default;

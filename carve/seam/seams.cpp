@@ -26,7 +26,7 @@ int Seams::shift_after(std::size_t count) const {
 }
 
 Window Seams::warped() const {
-    // So small a part of a vertex is an error of rounding.
+    // Smaller parts of a vertex are rounding errors.
     constexpr double none = 1e-4;
     const auto first = warp->scaled(warp->bounds().first), last = warp->scaled(warp->bounds().last);
     return {static_cast<int>(std::floor(first.least + none)),
@@ -38,8 +38,8 @@ void Seams::find_shifts() {
     if (anchor.at != Anchor::At::vertex || paired()) return;
     shifts.push_back(0);
     if (seams.empty()) return;
-    // `[column]`: how far the anchor's content moves. Removals are indices in the space that those
-    // before leave.
+    // `[column]`: displacement of the anchor's content. Removals are indices in the space that
+    // earlier removals leave.
     std::vector<int> moves(columns(), 0);
     std::int64_t sum = 0;
     for (const auto& seam : seams) {

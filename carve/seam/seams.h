@@ -19,8 +19,8 @@ namespace fluidcarve {
 /// Seams through one lattice over a sequence, in the order in which they were found. A seam holds
 /// one entry per column, an index along the carved axis. A column is `(lateral, slice, layer)`:
 /// `(j, k, t)` if u is carved, `(i, k, t)` for v, `(i, j, t)` for w. Seams of frames have the
-/// columns `(j, k, i)`, and their entries are indices into `frames`. Or a warp in their place: then
-/// there are no seams, and the warp is carved as a whole.
+/// columns `(j, k, i)`, and their entries are indices into `frames`. A warp may stand in place of
+/// the seams.
 struct Seams {
     enum class Kind { remove, insert };
     struct Seam {
@@ -29,7 +29,8 @@ struct Seams {
         /// the entry that is doubled.
         SeamEntries at;
         double energy = 0;  ///< sum over all columns, in the units of the energy
-        /// Lower bound on the energy of any seam found in its place; nothing if not asked for.
+        /// Lower bound on the energy of any seam that could be taken instead; nothing if not asked
+        /// for.
         std::optional<double> lower_bound = std::nullopt;
     };
 
@@ -44,26 +45,26 @@ struct Seams {
     std::string lattice_hash;    ///< one for all frames, or, if the lattice changes, one per frame,
                                  ///< separated by commas
     std::optional<Window> window, pair_window;  ///< vertices that seams may take; nothing:
-                                                ///< whole_window(); for pairs, as far as they reach
+                                                ///< whole_window(); for pairs, the range of their
+                                                ///< entries
     std::optional<Window> pair_below;  ///< of a warp: a second pair_window, below the window
     Anchor anchor;
-    /// Vertices of a slab (METHOD 8 "Thick seams"); 1: seams are thin. So many seams of `seams`,
-    /// and of `pairs`, make a slab, from the first on; the last slab may have fewer. They run side
-    /// by side: removals have the same entries, and the entries of insertions follow each other.
+    /// Vertices of a slab (METHOD 8 "Thick seams"); 1: seams are thin. Each group of this many
+    /// consecutive seams, of `seams` and of `pairs`, is a slab; the last slab may have fewer. In a
+    /// slab, removals have the same entries, and insertions have consecutive entries.
     int thickness = 1;
     std::vector<Seam> seams;
     /// The second seam of each pair (paper 3.6), or empty. They are of the opposite kind, and all
-    /// lie on the positive side of all `seams`. Their entries do not count the seams of the other
-    /// window.
+    /// lie above all `seams`. Their entries are counted as if the other window had no seams.
     std::vector<Seam> pairs;
-    /// Its vertices are warp_vertices(), its rings warp_rings(); its bounds are found, and the
-    /// anchor holds it. `kind` says nothing of it.
+    /// It has warp_vertices() and warp_rings(); find_bounds() and, without a pair window,
+    /// hold(anchor) have been called. `kind` does not apply to it.
     std::optional<Warp> warp;
 
     /// Number of seams; 1 for a warp.
     std::size_t size() const { return warp ? 1 : seams.size(); }
     bool in_time() const { return axis == Axis::t; }  ///< whether they are seams of frames
-    /// Vertices along the carved axis; of seams of frames, the number of these.
+    /// Vertices along the carved axis; for seams of frames, the number of frames.
     int carved() const {
         return in_time() ? static_cast<int>(frames.size()) : shape[dimension(axis)];
     }
@@ -80,8 +81,8 @@ struct Seams {
     std::size_t columns_per_frame() const {
         return static_cast<std::size_t>(lateral()) * static_cast<std::size_t>(slices());
     }
-    /// How often columns_per_frame() stand in a seam: once for each frame; of seams of frames, for
-    /// each vertex along u.
+    /// Number of groups of columns_per_frame() columns in a seam: one per frame; for seams of
+    /// frames, one per vertex along u.
     std::size_t layers() const {
         return in_time() ? static_cast<std::size_t>(shape[0]) : frames.size();
     }
@@ -106,17 +107,17 @@ struct Seams {
     void find_shifts();
 
 private:
-    /// The entries that the warp's content reaches, counted from the space before.
+    /// The entries that the warped content reaches, in the indices of the space before.
     Window warped() const;
 };
 
-/// The kind of the seams that a count asks for, by its sign: positive inserts, negative removes.
-/// Nothing to carve counts as a removal.
+/// The kind of the seams that a count asks for, by its sign: positive inserts, negative removes. 0
+/// counts as a removal.
 /// @param count  Count::value or Count::of()
 constexpr Seams::Kind kind_asked(double count) {
     return count > 0 ? Seams::Kind::insert : Seams::Kind::remove;
 }
-/// The reverse: vertices by which `count` seams lengthen the axis; below 0 for removals.
+/// Vertices by which `count` seams lengthen the axis; below 0 for removals.
 constexpr int growth(Seams::Kind kind, int count) {
     return kind == Seams::Kind::remove ? -count : count;
 }

@@ -9,10 +9,11 @@ namespace {
 
 constexpr int patch_reach = 4;         ///< of a patch around its middle, vertices
 constexpr float least_content = 0.3f;  ///< share of a patch that must not be empty
-constexpr int beyond_moved = 4;        ///< vertices by which a nearest patch may lie further away
+constexpr int beyond_moved = 4;        ///< further vertices within which the nearest patch is
+                                       ///< sought
 
-/// Mean of each patch's values; at the rims, of those that there are.
-/// @param along  room for as many values
+/// Mean of each patch's values; at the rims, of the existing ones.
+/// @param along  scratch for as many values
 void patch_means(PlaneSamples& values, PlaneSamples& along) {
     const auto mean_of = [](int count, const auto& at, const auto& to) {
         double sum = 0;

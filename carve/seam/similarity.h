@@ -24,7 +24,7 @@ struct PlaneSamples {
     }
 };
 
-/// Squares of the distances of patches, and how many patches they are of.
+/// Sum of the squared distances of patches, and the number of patches.
 struct PatchSum {
     double squares = 0;
     std::size_t patches = 0;
@@ -37,8 +37,8 @@ struct PatchSum {
 /// Compares each patch of a plane with the nearest patch of another one (METHOD 11 "Seams or a
 /// warp"): a patch has 9 x 9 vertices, and the nearest one is sought at the same lateral place.
 /// Patches that are mostly empty do not count.
-/// @param of, among  of as many rows
-/// @param visible    values of at least this are no empty space
+/// @param of, among  with the same number of rows
+/// @param visible    values below this are empty space
 /// @param moved      vertices by which content may have moved along the axis
 PatchSum nearest_patches(const PlaneSamples& of, const PlaneSamples& among, float visible,
                          int moved);

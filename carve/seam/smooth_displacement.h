@@ -21,8 +21,8 @@ namespace fluidcarve {
 struct Softness {
     double vertices = 0;  ///< reach along u, v and w
     double frames = 0;    ///< reach in time
-    double fade = 0;      ///< vertices over which both sides of seams are faded into each other
-                          ///< (Joins); 0: they are not
+    double fade = 0;      ///< vertices over which both sides of seams are blended (Joins); 0: they
+                          ///< are not
     std::optional<double> across = std::nullopt;  ///< reach across the axis; nothing: as along it
     explicit operator bool() const { return vertices > 0 || frames > 0; }
 };
@@ -32,12 +32,12 @@ struct Softness {
 class SmoothDisplacement {
 public:
     /// Box-filters displacements along the axis (METHOD 5), over 2n + 1 entries, where n is the
-    /// number of the step's seams. Near the first and last entry fewer entries count, equally many
-    /// on both sides, so that an end moves as far as before.
+    /// number of the step's seams. Near the first and last entry the filter is narrower, but
+    /// symmetric, so that an end moves as far as before.
     explicit SmoothDisplacement(const CarveStep& step);
     /// Smooths displacements by a tent in space and time. They are not scaled by a fade. Half a
-    /// vertex beyond either end of a span, nothing changes: the map continues there as its own
-    /// mirror image. So it squeezes the content at an end and cuts nothing off.
+    /// vertex beyond either end of a span, displacements stay as they were: the map continues
+    /// there as its own mirror image. So content at an end is squeezed, not cut off.
     /// @param steps    the same step in neighbouring frames: an odd number, this frame in the
     ///   middle
     /// @param windows  of the step, rising
@@ -46,7 +46,7 @@ public:
                                    const Softness& softness);
 
     /// Displacements of a warp: the inverse of its map from the space before to the carved one,
-    /// column by column. Beyond the ends of the content the map goes on straight.
+    /// column by column. Beyond the ends of the content the map continues straight.
     /// @param step  the warp's step; its displacements are not read
     static SmoothDisplacement of(const CarveStep& step, const Warp& warp, std::size_t t);
 

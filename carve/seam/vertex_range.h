@@ -17,21 +17,21 @@ struct VertexRange {
 
     /// The window in vertices; shares are rounded. @param size  vertices along the axis
     Window of(int size) const;
-    /// The same if no share is stated, so that it does not depend on the lattice.
+    /// The window, if it is stated in vertices and so does not depend on the lattice.
     std::optional<Window> vertices() const;
 };
 
-/// Windows that grow where another one shrinks, and the other way round. One lies above it; a
-/// second may lie below it.
+/// Pair windows: they grow where the main window shrinks, and the other way round. One lies above
+/// the main window; a second may lie below it.
 struct PairRanges {
     VertexRange above;
     std::optional<VertexRange> below;
 };
 
-/// The window of a range that states no share; nothing for one that does, or is not stated.
+/// The window of a range that is stated in vertices; nothing for shares, or for no range.
 std::optional<Window> vertices_of(const Auto<VertexRange>& range);
 
-/// What is wrong with the places of a window and of its pair, for a message.
+/// Why a window and its pair window can't lie where they do, for a message; nothing if they can.
 /// @param share  whether they may share a vertex
 std::optional<std::string> pair_fault(const Window& window, const VertexRange& window_stated,
                                       const Window& pair, const VertexRange& pair_stated,

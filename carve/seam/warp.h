@@ -66,8 +66,7 @@ public:
 
     bool linear() const {
         return linear_;
-    }  ///< whether each scale gives the solution for an amount of its own; else only the present
-       ///< one does
+    }  ///< whether every scale gives the warp of an amount; else only the present scale does
     void set_linear(bool linear) { linear_ = linear; }
 
     /// Scaled displacements of a column's vertices. Where all values around a vertex are 0, its
@@ -79,12 +78,12 @@ public:
     /// The first and the last of a column's displacements.
     std::array<double, 2> ends(std::size_t t, int lateral, int k) const;
 
-    /// Subtracts from each column, in each frame, what moves the anchor there: low: the first
-    /// value; middle: half of both ends' sum; high: the last value; vertex: the value there. So a
-    /// column of zeros stays as it is.
+    /// Subtracts from each column, in each frame, the displacement of the anchor there: low: the
+    /// first value; middle: half of both ends' sum; high: the last value; vertex: the value there.
+    /// So a column of zeros stays as it is.
     void hold(const Anchor& anchor);
 
-    /// The least and the most of something, not scaled.
+    /// Smallest and largest value, not scaled.
     struct Range {
         float least = 0, most = 0;
     };
@@ -97,8 +96,8 @@ public:
     /// Finds bounds(). Call it once values are set.
     void find_bounds();
     const Bounds& bounds() const { return bounds_; }
-    /// One of the bounds, scaled. The map `u + displacement` rises, so that no space is turned
-    /// over, if the least scaled slope is above -1.
+    /// One of the bounds, scaled. The map `u + displacement` rises, and so inverts no space, if
+    /// the least scaled slope is above -1.
     Range scaled(const Range& range) const;
 
 private:

@@ -1,5 +1,5 @@
-// A carve step that is made from a warp. It stands apart from the other steps, since it builds on
-// smoothed displacements, which build on steps.
+// The code of carve steps made from a warp. It is separate from carve_step.cpp, since it needs
+// smoothed displacements, which need carve steps.
 #include "carve/seam/carve_step.h"
 #include "carve/seam/smooth_displacement.h"
 
@@ -47,7 +47,7 @@ void CarveStep::find_displacements(const Warp& warp, std::size_t t) {
             return Found{std::min(a.first, b.first), std::max(a.last, b.last),
                          std::min(a.least, b.least), std::max(a.most, b.most)};
         });
-    // What is freed counts as moved.
+    // Freed entries count as moved.
     first_moved_ = common_.begin > origin_ ? low() : found.first;
     last_moved_ = common_.end < last_before() ? high() : found.last;
     most_down_ = static_cast<int>(std::ceil(-found.least));

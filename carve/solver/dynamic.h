@@ -16,8 +16,8 @@ bool in_open_line(const EnergyVolume& energy);
 /// @throws Failure if columns stand beside each other in more than one dimension
 Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, const Tick& tick);
 
-/// The same for seams that are found one after the other, by find_seams(): each begins with what
-/// the last one left. Copies share it.
+/// dynamic_seam() for consecutive seams of find_seams(): each reuses the costs kept from the last
+/// one. Copies share these costs.
 class DynamicSeams {
 public:
     Seams::Seam operator()(const EnergyVolume& energy, Window window, int number,

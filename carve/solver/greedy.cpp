@@ -46,10 +46,10 @@ enum class Ring { open, cone, gaussian };
 
 constexpr auto endless = std::numeric_limits<double>::infinity();
 
-/// What seams may cost.
+/// The limit on the cost of seams.
 struct Limit {
     double cost = endless;
-    /// Lower bounds that tell early which seams will cost more; null: none.
+    /// Lower bounds by which seams are given up early; null: none.
     const SeamBounds* bounds = nullptr;
 };
 
@@ -104,7 +104,7 @@ public:
         return true;
     }
 
-    /// What each seam costs; endless, if it was given up.
+    /// The cost of each seam; endless if it was given up.
     const std::vector<double>& sums() const { return sums_; }
 
     /// Entries of one seam, `[t][column]`.
@@ -125,7 +125,7 @@ public:
     }
 
 private:
-    /// The seams' entries in slice 0, and how far from them the seams may be.
+    /// The seams' entries in slice 0, and the largest distance allowed from them.
     struct Home {
         const Entry* entries;
         unsigned reach;
@@ -182,7 +182,7 @@ private:
         }
     }
 
-    /// Calls `call(seam)` for those that are not given up.
+    /// Calls `call(seam)` for the seams not given up.
     template <class Call>
     void for_running(const Call& call) const {
         // While all of them run, a counted loop is faster.
@@ -228,14 +228,14 @@ private:
         });
     }
 
-    /// A neighbour that is passed already.
+    /// A neighbour that was visited before.
     struct Passed {
         const Entry* entries;   ///< of all seams
         const FieldRun* field;  ///< of the column; null: no field
         bool in_time;
     };
 
-    /// What some entries cost, from one on that is known.
+    /// Costs of four consecutive entries.
     Lanes costs_from(const Cell* cells) const {
         if constexpr (std::is_same_v<Values, Unmarked> && std::is_same_v<Cell, std::uint16_t>)
             return energy_lanes(cells);
@@ -264,7 +264,7 @@ private:
                    first_column = at.t * frame_columns;
         const auto c = columns_.at(at.lateral, at.k, at.t);
         const auto around = columns_.around(c, at);
-        // Where a ring began, and how far from there the seam may be.
+        // The entry where a ring began, and the largest distance allowed from it.
         struct Start {
             bool given;
             std::size_t column;
@@ -396,8 +396,8 @@ std::optional<Seams::Seam> race(const EnergyVolume& energy, Window window, int n
                                 const Limit& limit, const Tick& tick) {
     const auto threads = std::min<std::size_t>(
         static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), starts.size());
-    // Seams beside each other read the same memory. But bounds also end most of them at once: then
-    // each sweep has some from everywhere.
+    // Seams with neighbouring starts read the same memory. But bounds also end most of them
+    // together: then each sweep gets seams from all over the window.
     std::vector<std::vector<Entry>> shares(threads);
     for (std::size_t n = 0; n < starts.size(); ++n)
         shares[limit.bounds ? n % threads : n * threads / starts.size()].push_back(starts[n]);
@@ -422,7 +422,7 @@ std::optional<Seams::Seam> race(const EnergyVolume& energy, Window window, int n
     return Seams::Seam{sweeps[best->sweep]->entries(best->seam), best->sum};
 }
 
-/// What a search is given.
+/// Arguments of a search.
 struct Search {
     const EnergyVolume& energy;
     Window window;
@@ -477,7 +477,7 @@ std::optional<Seams::Seam> greedy_seam_within(const EnergyVolume& energy, Window
                                               int starts, double most, const Tick& tick,
                                               const SeamBounds* bounds) {
     const Search search{energy, window, number, starts, Guide::cone};
-    // What is attracted makes a seam cheaper again.
+    // Attracted vertices make a seam cheaper again.
     if (energy.summed() || energy.protects() || energy.attracts())
         return greedy_seam(energy, window, number, starts, tick);
     return find<Entry, Unmarked>(search, {most, bounds}, tick);

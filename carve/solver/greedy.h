@@ -22,8 +22,8 @@ enum class Guide {
 /// allow. The Gaussian is centred on the entry in slice 0. It is half as wide as the cone in each
 /// slice, and as high as the window's mean energy in the first frame. It steers the seam and does
 /// not count as energy.
-/// If vertices are marked, costs (Costs) replace energies. A search that protected vertices block
-/// goes on through one of them. If they block all searches, the seam that passes fewest is moved
+/// If vertices are marked, costs (Costs) replace energies. A search blocked by protected vertices
+/// passes through one of them. If they block all searches, the seam that passes fewest is moved
 /// aside (search/protection.h), which finds a way if there is one. Deterministic. Takes 0.4 s for
 /// 322 x 105 x 331 vertices, 84 frames and 16 starts on two cores.
 /// @param number  number of seams found before
@@ -31,9 +31,8 @@ enum class Guide {
 Seams::Seam greedy_seam(const EnergyVolume& energy, Window window, int number, int starts,
                         const Tick& tick, Guide guide = Guide::cone);
 
-/// The same seam, or none if it costs more than `most`. Searches are given up as soon as that is
-/// certain.
-/// @param bounds  lower bounds that have been found for this seam; null: none
+/// The same seam, or none if it costs more than `most`. A search stops as soon as that is certain.
+/// @param bounds  with the lower bound already found for this seam; null: none
 std::optional<Seams::Seam> greedy_seam_within(const EnergyVolume& energy, Window window, int number,
                                               int starts, double most, const Tick& tick,
                                               const SeamBounds* bounds = nullptr);

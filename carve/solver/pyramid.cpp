@@ -34,7 +34,7 @@ constexpr Effort normal_effort{std::size_t{1} << 18, 0, 16, 2},
 constexpr Effort effort_for_looks{std::size_t{1} << 12, 0.02, 4, 2};
 
 constexpr int passes_of_draft = 2;
-/// More at coarse levels lead away from what the finest one asks for.
+/// More passes at coarse levels lead away from the seam of the finest level.
 constexpr int most_passes = 32;
 
 /// Entries of a strip on either side of the seam that it was made around.
@@ -65,7 +65,8 @@ void Pyramid::refine(StripMessages& messages, int level, bool looks, bool attrac
     const auto cut = [&](double tolerance) {
         seam = cut_seam(strip, seam, 1, tolerance, number, tick).at;
     };
-    // Messages weigh what is attracted against all the rest; a cut in a narrow band takes it.
+    // Messages weigh attracted vertices against all other costs; a cut in a narrow band takes
+    // them.
     const bool cuts = quality_ == Quality::best || attracts;
     if (!attracts) messages.improve(seam, passes(looks, level), level > 0, tick);
     if (cuts) cut(1e-3);

@@ -24,8 +24,8 @@ public:
     /// @param starts  number of greedy searches; for slabs it is 1
     Pyramid(Quality quality, int starts) : quality_(quality), starts_(starts) {}
 
-    /// A FindSeam. Bounds, if there are some, are found beside the search from coarse to fine, and
-    /// end greedy searches early.
+    /// A FindSeam. `bounds`, if given, are computed in parallel with the search from coarse to
+    /// fine, and stop greedy searches early.
     Seams::Seam operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick,
                            SeamBounds* bounds = nullptr) const;
 
@@ -37,8 +37,9 @@ private:
         std::optional<StripMessages> messages;
     };
 
-    /// How often messages are passed.
-    /// @param looks  whether seams of less energy look no better: with a field, and for slabs
+    /// Number of message passes.
+    /// @param looks  true with a field and for slabs, whose seams of less energy look no better:
+    ///   fewer passes
     /// @param level  0: the finest
     int passes(bool looks, int level) const;
     Level coarse_to_fine(const EnergyVolume& energy, Window window, int number, int level,

@@ -43,7 +43,7 @@ Ref<Seams> SeamSearch::find(const Tick& tick) {
         count = static_cast<int>(out->pairs.size());
     }
     out->seams = found(task.seams, count, tick, search).seams;
-    // A pair without its seam is none.
+    // Drops second seams whose first seam was not found.
     if (task.pairs) out->pairs.resize(out->seams.size());
     out->find_shifts();
     return out;

@@ -16,9 +16,9 @@
 
 namespace fluidcarve {
 
-/// Finds the seams of a sequence whose frames come one after the other (METHOD 8), as
-/// `seam.pyramid` does in a pipeline. Of each frame it keeps the energy at the lattice's vertices,
-/// two bytes each.
+/// Finds the seams of a sequence whose frames are added one by one (METHOD 8), as `seam.pyramid`
+/// does in a pipeline. It keeps each frame's energy and field at the lattice's vertices, two bytes
+/// each.
 class SeamSearch {
 public:
     /// @param frames  their numbers, rising, at least one
@@ -26,12 +26,11 @@ public:
         : wish_(std::move(wish)), frames_(std::move(frames)), limits_(std::move(limits)) {}
 
     /// Adds the next frame. All frames have one lattice, or each its own of the same shape.
-    /// @param grids   energy >= 0, and what else there is; thick seams need the field, in which
-    /// content and eddies are seen
+    /// @param grids   energy >= 0; optionally field and masks; thick seams need the field
     /// @throws Failure as sample_frame() and GatheredEnergy::add()
     void add(const Ref<Lattice>& lattice, const FrameGrids& grids);
 
-    /// Finds the seams, once all frames were added. To be called once.
+    /// Finds the seams. Call it once, after all frames are added.
     /// @param tick  is called a few times per second with the share that is done, 0 to 1; what it
     /// throws ends the search
     /// @throws Failure as task_of() and GatheredEnergy::take(), or if there is no room for so many

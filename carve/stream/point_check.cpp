@@ -40,7 +40,7 @@ struct Array {
 class Pages {
 public:
     /// An array's place in the pages.
-    /// @param in  at the header of the next page, if that begins here
+    /// @param in  at the header of the next page, if a page begins here
     void place(std::uint64_t bytes, TreeBytes& in) {
         if (used_ == size_) {
             const auto stored = in.number<std::int32_t>();

@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// How what a frame holds is written and read bit for bit. Specialised with
+/// Writes and reads the content of a frame bit for bit. Specialise it with
 ///   static std::uint64_t bytes(const T&);               of memory
 ///   static void write(const T&, std::ostream&);
 ///   static Ref<T> read(std::istream&);                  Failure if the stream holds no whole one

@@ -14,8 +14,8 @@
 
 namespace fluidcarve {
 
-/// A place in bytes of a file. All functions throw std::runtime_error instead of going beyond the
-/// end.
+/// A read position in the bytes of a file. All functions throw std::runtime_error instead of
+/// reading beyond the end.
 class TreeBytes {
 public:
     explicit TreeBytes(std::span<const char> bytes) : bytes_(bytes) {}
@@ -38,7 +38,7 @@ public:
         std::memcpy(&out, take(sizeof out).data(), sizeof out);
         return out;
     }
-    /// A text behind its length of 32 bits.
+    /// Reads a text, which follows its 32-bit length.
     std::string text() {
         const auto chars = take(number<std::uint32_t>());
         return {chars.begin(), chars.end()};

@@ -49,7 +49,7 @@ public:
     const std::vector<std::span<const char>>& leaves() const { return leaves_; }
     std::uint64_t left() const { return in_.left(); }  ///< bytes
     void require_end(std::string_view fault) const { in_.require(in_.left() == 0, fault); }
-    /// The buffers are not behind the topology, but here.
+    /// Continues with buffers that do not follow the topology.
     void go_on(std::span<const char> bytes) { in_ = TreeBytes(bytes); }
 
     void buffers() {
@@ -153,7 +153,7 @@ private:
             if ((format_.compression & COMPRESS_ACTIVE_MASK) && kind != NO_MASK_AND_ALL_VALS)
                 count = on;
         }
-        // Of half floats, OpenVDB reads nothing at all if there are none.
+        // If there are no values, OpenVDB reads nothing at all for half floats.
         if (count == 0 && format_.stored_bytes < format_.value_bytes) return;
         in_.skip_data(count * format_.stored_bytes, format_.compression);
     }

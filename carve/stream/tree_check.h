@@ -30,9 +30,9 @@ bool is_known_tree(const std::string& type);
 TreeFormat tree_format(const std::string& type, bool half, std::uint32_t file_version,
                        std::uint32_t compression);
 
-/// What a tree holds. Counted without reading values.
+/// Size of a tree, counted without reading values.
 struct TreeSize {
-    std::uint64_t active_voxels = 0;  ///< those of tiles included
+    std::uint64_t active_voxels = 0;  ///< including those of tiles
     std::uint64_t bytes = 0;          ///< memory of the tree, without points
 };
 

@@ -29,7 +29,7 @@
 namespace fluidcarve {
 namespace {
 
-/// Multiplies all values, the background too.
+/// Multiplies all values, including the background.
 template <class GridT>
 void multiply(GridT& grid, double by) {
     using Element = typename openvdb::VecTraits<typename GridT::ValueType>::ElementType;
@@ -40,7 +40,7 @@ void multiply(GridT& grid, double by) {
         grid.tree(), typename GridT::ValueType(grid.background() * static_cast<Element>(by)));
 }
 
-/// Ends the narrow band of a level set where its distances do.
+/// Cuts the narrow band of a level set at the background's distance.
 void trim(FloatGrid& grid) {
     const float background = grid.background();
     openvdb::tree::LeafManager<FloatGrid::TreeType>(grid.tree())
@@ -54,12 +54,12 @@ void trim(FloatGrid& grid) {
     openvdb::tools::pruneLevelSet(grid.tree());
 }
 
-/// Activates what lies inside of a level set, down to voxels.
+/// Activates the inside of a level set, as voxels.
 void activate_inside(FloatGrid& grid, const FloatGrid& of) {
     grid.tree().topologyUnion(openvdb::tools::sdfInteriorMask(of)->tree());
 }
 
-/// The ways from both frames to the moment that each place shows. Null: nothing moves.
+/// The displacements from both frames to the moment that each place shows. Null: nothing moves.
 struct Ways {
     VectorGrid::ConstPtr from_a, from_b;
     Transport transport = Transport::semi_lagrangian;
@@ -85,14 +85,14 @@ Ways ways_of(const VectorGrid* motion, const ShareAt& share, Transport transport
             transport, alike};
 }
 
-/// A frame's grid, and the same moved to the moment that each place shows. Both may be null.
+/// A frame's grid, and this grid moved to the moment that each place shows. Both may be null.
 template <class GridT>
 struct Side {
     const GridT* grid;
     typename GridT::Ptr matched;
     typename GridT::ConstPtr moved;
 
-    /// @param like  what is of another transform is sampled on its voxels
+    /// @param like  grids of another transform are resampled to its voxels
     Side(const GridT* of, const GridT& like, const VectorGrid::ConstPtr& way, Transport transport)
         : grid(of) {
         if (!of) return;
@@ -125,8 +125,8 @@ private:
     std::optional<typename GridT::ConstAccessor> values_;
 };
 
-/// A float or vector grid of two frames, of which one may be null: then the other fades. A level
-/// set can't: it is there where its frame is the nearer one.
+/// Blends a float or vector grid of two frames, of which one may be null: then the other fades. A
+/// level set can't fade: it appears where its frame is the nearer one.
 template <class GridT>
 typename GridT::ConstPtr grid_mixed(const GridT* first, const GridT* second, const ShareAt& share,
                                     const Ways& ways) {
@@ -148,7 +148,7 @@ typename GridT::ConstPtr grid_mixed(const GridT* first, const GridT* second, con
     using Value = typename GridT::ValueType;
     using Element = typename openvdb::VecTraits<Value>::ElementType;
     openvdb::tree::LeafManager<typename GridT::TreeType> leaves(out->tree());
-    // Sums of what lies between the frames, by leaf: as it should be, and as it is.
+    // Sums over the blended voxels, by leaf: the wanted one, and the actual one.
     std::vector<double> wanted(leaves.leafCount()), got(wanted);
     leaves.foreach ([&](auto& leaf, std::size_t n) {
         const auto values = [&](const GridT* of) { return ValuesOf<GridT>(of, out->background()); };
@@ -176,10 +176,10 @@ typename GridT::ConstPtr grid_mixed(const GridT* first, const GridT* second, con
         }
     });
     if constexpr (floats) {
-        // A mean of distances is nearly one. Distances made anew would move the surface.
+        // A mean of distances is nearly a distance. Recomputed distances would move the surface.
         if (level_set) return trim(*out), out;
-        // Motion that converges or diverges would make mass pulsate from frame to frame. Where
-        // places show different moments, one factor for all would leave steps.
+        // Converging or diverging motion would make mass pulsate from frame to frame. Where places
+        // show different moments, one factor for all would leave steps.
         const double by = std::accumulate(wanted.begin(), wanted.end(), 0.0) /
                           std::accumulate(got.begin(), got.end(), 0.0);
         if (ways.from_a && ways.alike && by > 0.5 && by < 2) multiply(*out, by);
@@ -237,7 +237,8 @@ Plane picture(const openvdb::CoordBBox& box, const Value& value) {
     return {box, box, std::shared_ptr<const float>(values, values->data()), 1, width};
 }
 
-/// A pixel between pixels: bilinear, held beyond the rim. Where one is not finite, the nearest.
+/// The value between pixels: bilinear, the rim is repeated beyond. If the result is not finite,
+/// the nearest pixel.
 float sample(const Plane& plane, double x, double y) {
     const auto &low = plane.box.min(), &high = plane.box.max();
     x = std::clamp(x, double(low.x()), double(high.x()));
@@ -253,8 +254,8 @@ float sample(const Plane& plane, double x, double y) {
                               : plane.at(across < 0.5f ? left : right, along < 0.5f ? down : up);
 }
 
-/// A picture's channel of two frames, as grid_mixed(); but what lies beyond the rim is what lies
-/// there. @param motion  null: nothing moves
+/// Blends a picture's channel of two frames, as grid_mixed(); but the rim is repeated beyond it.
+/// @param motion  null: nothing moves
 Plane picture_mixed(const Plane& a, const Plane& b, const ShareAt& share, const VectorGrid* motion,
                     const openvdb::math::Transform& transform) {
     const double voxel = transform.voxelSize().x();
@@ -281,10 +282,10 @@ Plane picture_mixed(const Plane& a, const Plane& b, const ShareAt& share, const 
     });
 }
 
-/// The volume of two, by a share of the second that differs from place to place.
+/// Blends two volumes, by a share of the second that differs from place to place.
 /// @param nearer  `a` or `b`: its grids are those of the result
 /// @param motion  from `a` to `b`; null: nothing moves
-/// @param points  makes points of two
+/// @param points  mixes the points of both
 template <class MixPoints>
 Volume mixed(const Volume& a, const Volume& b, const ShareAt& share, const Volume& nearer,
              const VectorGrid* motion, Transport transport, bool alike, const MixPoints& points) {
@@ -315,7 +316,7 @@ Volume mixed(const Volume& a, const Volume& b, const ShareAt& share, const Volum
         } else if (held.header().isType<VectorGrid>()) mix(static_cast<const VectorGrid*>(nullptr));
         else if (is_point_grid(held.header()) && before && after)
             held = held.holding(points(points_in(before), points_in(after)).grid);
-        // At one moment, all of a grid is that of the nearer frame, as it is.
+        // With one moment for all places, the grid is that of the nearer frame, unchanged.
         else if (!alike && before && after &&
                  before.header().transform() == after.header().transform())
             if (const auto chosen = grid_chosen(before.grid(), after.grid(), share))

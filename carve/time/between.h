@@ -10,8 +10,8 @@
 
 namespace fluidcarve {
 
-/// How values are moved: straight back along the motion (openvdb::tools::VolumeAdvection, midpoint
-/// steps), or with MacCormack's correction, which is sharper, clamped to the values around.
+/// How values are moved: back along the motion (openvdb::tools::VolumeAdvection, midpoint steps),
+/// or with MacCormack's correction, which is sharper, clamped to the neighbouring values.
 enum class Transport { semi_lagrangian, mac_cormack };
 template <>
 struct ChoiceNames<Transport> {
@@ -19,33 +19,33 @@ struct ChoiceNames<Transport> {
                                          std::pair{"mac_cormack", Transport::mac_cormack}};
 };
 
-/// The volume at a moment between two frames, which may differ from place to place. Numbers and
-/// vectors come from both frames, moved along the motion, in the shares of the moment; points go
-/// along their own velocities, as points_between(); whole numbers, doubles and masks are those of
-/// the nearer frame. A grid that only one frame has fades; a level set is there where its frame is
-/// the nearer one. A picture's channel moves in its plane; what lies beyond its rim is what lies
-/// there. Where the share is 0 or 1, all is bit for bit that of one frame, but for what of a level
-/// set lies beyond its narrow band.
+/// The volume at a moment between two frames, which may differ from place to place. Floats and
+/// vectors of both frames are moved along the motion, and blended by the share; points move along
+/// their own velocities, as in points_between(); each voxel of an integer, double or mask grid is
+/// that of the nearer frame. A grid that only one frame has fades; if it is a level set, it
+/// appears where its frame is the nearer one. A picture's channel moves in its plane, and its rim
+/// is repeated beyond. Where the share is 0 or 1, the result is one frame bit for bit, except for
+/// level sets beyond their narrow band.
 /// @param share   of the way from `a` to `b`
-/// @param nearer  `a` or `b`: its grids are those of the result
+/// @param nearer  `a` or `b`: the result has the grids of this frame
 /// @param motion  from `a` to `b`, world units; null: nothing moves
 Volume volume_between(const Volume& a, const Volume& b, const ShareAt& share, const Volume& nearer,
                       const VectorGrid* motion, Transport transport);
-/// The same with one moment for all places. A float grid that is no level set sums up to what lies
-/// between the sums of both frames.
+/// The same with one moment for all places. A float grid that is not a level set is scaled so that
+/// its sum is interpolated between those of both frames.
 Volume volume_between(const Volume& a, const Volume& b, double share, const VectorGrid* motion,
                       Transport transport);
 
-/// The volume of two, by a share of the second that differs from place to place. Points as
-/// points_mixed(); whole numbers, doubles and masks are those of the nearer one, voxel by voxel.
+/// Blends two volumes, by a share of the second that differs from place to place. Points as in
+/// points_mixed(); each voxel of an integer, double or mask grid is that of the nearer volume.
 /// @param share      of the second
-/// @param nearer     `a` or `b`: of what can't be taken voxel by voxel
+/// @param nearer     `a` or `b`: for content that can't be taken voxel by voxel
 /// @param of_points  the same share for points; null: it is the same
 Volume volume_mixed(const Volume& a, const Volume& b, const ShareAt& share, const Volume& nearer,
                     const ShareAt& of_points = nullptr);
 
-/// Multiplies velocities by a number, where time goes faster: the grids of a name, which may be
-/// empty, and those of points.
+/// Multiplies velocities by a number, as if time went faster: vector grids called `name`, which
+/// may be empty, and the velocities of points.
 Volume scaled(const Volume& volume, const std::string& name, double by);
 
 }  // namespace fluidcarve

@@ -22,7 +22,7 @@ namespace fluidcarve {
 class FrameCarve {
 public:
     /// Adds a frame. @param number  of the frame, above those before
-    /// @throws Failure if the lattice is another one than before
+    /// @throws Failure if the lattice differs from that of the frames before
     void add(const Volume& source, const Ref<Lattice>& lattice, int number, const Limits& limits);
     void add(const Ref<Points>& source, const Ref<Lattice>& lattice, int number,
              const Limits& limits);
@@ -36,12 +36,12 @@ public:
     /// @throws Failure if the seams are of other frames, or as TimeMap
     void finish(const Seams& seams, std::size_t count, const std::vector<int>& left,
                 const JoinParams& join, std::uint64_t memory_budget);
-    /// Whether nothing says how moments between frames look: no float grid of volumes shows where
-    /// things move to, or the faces of meshes change.
+    /// Whether moments between frames can't be moved along a motion: no float grid of volumes
+    /// shows one, or the faces of meshes change.
     bool blends() const { return blends_; }
     /// A frame that the carve leaves. May be called from many threads at once.
-    /// @param pace  whether velocities are multiplied by how fast time goes where they are
-    /// @throws Failure if there is none of this number
+    /// @param pace  whether velocities are multiplied by the local rate of time
+    /// @throws Failure if the carve leaves no frame of this number
     Volume volume(int number, bool pace) const;
     Points points(int number, bool pace) const;
     Mesh mesh(int number) const;

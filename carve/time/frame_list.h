@@ -14,8 +14,8 @@
 
 namespace fluidcarve {
 
-/// What all frames of a sequence hold, such as volumes: in memory as far as a budget allows, else
-/// in a file of the work folder that has no name, so that nothing is left of it.
+/// The content of all frames of a sequence, such as volumes. It is held in memory up to a budget;
+/// the rest goes to an unnamed file, which disappears when it is closed.
 template <class T>
 class FrameList {
 public:
@@ -52,7 +52,7 @@ private:
     std::vector<Entry> entries_;
 };
 
-/// The same with the numbers of the frames.
+/// A FrameList with the numbers of its frames.
 template <class T>
 class NumberedFrames {
 public:

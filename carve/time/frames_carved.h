@@ -6,15 +6,15 @@
 
 namespace fluidcarve {
 
-/// What seams of frames do to a sequence, as far as it is known before they are found.
+/// The effect of seams of frames on a sequence, as known before the seams are found.
 struct FramesCarved {
     Count count;          ///< of frames: removed below 0, else inserted
-    bool paired = false;  ///< what leaves comes back in another window
+    bool paired = false;  ///< removals are matched by insertions in another window
 
     /// The frames that the carve leaves, numbered on from the first.
-    /// @param used    number of seams of these that are carved, its sign left out; auto: all
+    /// @param used    how many of these seams are carved; its sign is ignored; auto: all
     /// @param frames  of the sequence, rising
-    /// @throws Failure if all frames would leave, or if frames are missing between others
+    /// @throws Failure if no frame would be left, or if frames are missing between others
     std::vector<int> left(const Auto<Count>& used, const std::vector<int>& frames) const;
 };
 

@@ -22,7 +22,7 @@ Loop best_loop(const LoopWish& wish, std::size_t frames,
     Loop out;
     for (auto length = wish.least; length <= wish.most; ++length) {
         const auto fade = wish.fade.value_or((length + 3) / 4);
-        std::vector<double> off;  // of each frame that may fade
+        std::vector<double> off;  // difference of each frame that may fade
         for (auto at = length - fade; at < frames; ++at)
             off.push_back(difference(frame_before(at, length), at));
         for (std::size_t first = 0; first + length <= frames; ++first) {

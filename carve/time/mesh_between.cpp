@@ -12,7 +12,7 @@ bool is_float(const Mesh::Attribute& attribute) {
     return attribute.type == NumberType::float32 || attribute.type == NumberType::float64;
 }
 
-/// Whether both have a value for each other's.
+/// Whether the values of both correspond one to one.
 bool alike(const Mesh::Attribute& a, const Mesh::Attribute& b) {
     return a.type == b.type && a.on == b.on && a.parts == b.parts && a.at == b.at &&
            a.values.size() == b.values.size();
@@ -46,7 +46,7 @@ Mesh mesh_between(const Mesh& a, const Mesh& b, const ShareAt& share, const Mesh
     std::vector<double> shares;
     for (const auto& point : a.points) shares.push_back(share(point));
     const auto mix = [](auto from, auto to, double by) {
-        // The ends are those of a frame, bit for bit.
+        // At both ends the result is that of a frame, bit for bit.
         return by == 0 ? from : by == 1 ? to : from + by * (to - from);
     };
     for (std::size_t n = 0; n < out.points.size(); ++n)

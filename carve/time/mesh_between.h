@@ -8,17 +8,18 @@ namespace fluidcarve {
 /// Whether two meshes have the same faces, so that vertices can move from one to the other.
 bool same_faces(const Mesh& a, const Mesh& b);
 
-/// The mesh at a moment between two frames of the same faces, which may differ from place to place:
-/// vertices, and attributes of floats that both have, lie on straight ways between. Other
-/// attributes are those of the nearer frame, and so is all of meshes of other faces.
-/// @param share   of the way from `a` to `b`, from 0 to 1, where a vertex is in `a`
+/// The mesh at a moment between two frames of the same faces, which may differ from place to
+/// place: vertices, and float attributes of both frames, are interpolated linearly. Other
+/// attributes are those of the nearer frame. If the faces differ, the whole mesh is that of the
+/// nearer frame.
+/// @param share   position in time between `a` (0) and `b` (1), at a vertex's position in `a`
 /// @param nearer  `a` or `b`
 Mesh mesh_between(const Mesh& a, const Mesh& b, const ShareAt& share, const Mesh& nearer);
 /// The same with one moment for all places.
 Mesh mesh_between(const Mesh& a, const Mesh& b, double share);
 
-/// How far the vertices of two frames of the same faces lie apart: the mean of their squared
-/// distances, world units squared; 0 if there are none.
+/// Mean squared distance of the vertices of two frames with the same faces, world units squared; 0
+/// if there are none.
 double squared_distance(const Mesh& a, const Mesh& b);
 
 }  // namespace fluidcarve

@@ -32,8 +32,8 @@ constexpr float most_step = 1.5f;  ///< voxels by which a round corrects at most
 /// Resistance against correction, as shares of the structure tensor's trace: of the largest one,
 /// and of the place's own.
 constexpr float at_least = 1e-4f, own = 0.02f;
-constexpr int margin = 4;     ///< voxels around what is shown
-constexpr int coarsest = 24;  ///< voxels along the longest side of a box that is halved no more
+constexpr int margin = 4;     ///< voxels around the visible content
+constexpr int coarsest = 24;  ///< voxels along the longest side up to which a box is not halved
 
 /// Numbers in a box of voxels; z is fastest.
 struct Box {
@@ -72,7 +72,7 @@ Numbers numbers_of(const FloatGrid& grid, const Box& box) {
     return out;
 }
 
-/// Trilinear, held beyond the box.
+/// Samples trilinearly; the border is repeated beyond the box.
 float sample(const Numbers& of, const Box& box, const std::array<float, 3>& at) {
     std::array<std::ptrdiff_t, 3> low{}, high{};
     std::array<float, 3> part{};
@@ -97,7 +97,8 @@ float sample(const Numbers& of, const Box& box, const std::array<float, 3>& at) 
     return a + part[0] * (b - a);
 }
 
-/// Smooths by a Gaussian, along each axis in turn; held beyond the box. @param deviation  voxels
+/// Smooths by a Gaussian, along each axis in turn; the border is repeated beyond the box. @param
+/// deviation  voxels
 void smooth(Numbers& values, const Box& box, float deviation) {
     const int radius = static_cast<int>(std::ceil(3 * deviation));
     std::vector<float> weights;
@@ -161,7 +162,7 @@ public:
     }
 
     /// Corrects the displacement by what both frames show (Lucas and Kanade 1981), at half size
-    /// first: that finds what moves further than the window is wide.
+    /// first, which finds motion further than the width of the window.
     void correct() {
         if (*std::ranges::max_element(box_.size) > coarsest) {
             auto half = halved();
@@ -193,7 +194,7 @@ public:
             float largest = 0;
             for (std::size_t n = 0; n < middle.size(); ++n)
                 largest = std::max(largest, tensor[0][n] + tensor[3][n] + tensor[5][n]);
-            if (largest < 1e-30f) return;  // nothing to go by
+            if (largest < 1e-30f) return;  // there is no structure to follow
             box_.each([&](std::size_t at, int, int, int) {
                 const double firm =
                     at_least * largest + own * (tensor[0][at] + tensor[3][at] + tensor[5][at]);
@@ -262,7 +263,7 @@ private:
         out.expand(active_box(*b.shown));
         if (out.empty()) out = CoordBBox(Coord(0), Coord(0));
         require_near(a.shown->getName(), out);
-        // What lies beyond a picture's rim is what lies there.
+        // A picture needs no margin: its rim is repeated beyond.
         if (out.dim().z() > 1) out = padded(out, margin);
         constexpr double bytes = 24 * sizeof(float);
         if (!grid_fits(bytes * static_cast<double>(voxels_in(out)), memory_budget))
@@ -274,7 +275,7 @@ private:
 
     explicit Pair(const Box& box) : box_(box) {}
 
-    /// Scales both frames down if squares of what they show, summed up, would be infinite.
+    /// Scales both frames down if the sum of their squared values would be infinite.
     void keep_squarable() {
         constexpr float most = 1e12f;
         float largest = 0;
@@ -285,7 +286,7 @@ private:
             for (float& value : *each) value *= 1 / largest;
     }
 
-    /// Takes over a displacement that was found at half size.
+    /// Adopts a displacement found at half size.
     void take_from(const Pair& half) {
         box_.each([&](std::size_t at, int x, int y, int z) {
             const std::array place{0.5f * static_cast<float>(x) - 0.25f,
@@ -346,7 +347,7 @@ VectorGrid::Ptr motion_between(const MovingFrame& a, const MovingFrame& b, doubl
 
 double mismatch(const MovingFrame& a, const MovingFrame& b, double scale,
                 std::uint64_t memory_budget) {
-    // Half the size tells as much, eight times as fast.
+    // Half the size gives the same answer, eight times as fast.
     return Pair(a, b, scale, memory_budget).halved().mismatch();
 }
 

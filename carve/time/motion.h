@@ -6,18 +6,18 @@
 
 namespace fluidcarve {
 
-/// A frame, as motion is found by it.
+/// The parts of a frame by which motion is found.
 struct MovingFrame {
-    FloatGrid::ConstPtr shown;      ///< what is looked at: a density or a level set
+    FloatGrid::ConstPtr shown;      ///< the visible grid: a density or a level set
     VectorGrid::ConstPtr velocity;  ///< collocated; null: none
 };
 
-/// How far everything moves from one frame to the next. The velocity says it, but for its scale;
-/// what the frames show corrects it: METHOD 12.
+/// Displacements of content from one frame to the next (METHOD 12): the velocity times `scale`,
+/// corrected by what both frames show.
 /// @param a, b   of one transform, with cubic voxels along the world's axes
-/// @param scale  how far a velocity of 1 moves, world units
-/// @return displacements at the moment halfway, world units, on the voxels around what is shown; 0
-///   beyond
+/// @param scale  displacement at a velocity of 1, world units
+/// @return displacements at the moment halfway, world units, on voxels around the visible content;
+///   0 beyond
 /// @throws Failure as require_dense_fits
 VectorGrid::Ptr motion_between(const MovingFrame& a, const MovingFrame& b, double scale,
                                std::uint64_t memory_budget);
@@ -27,7 +27,8 @@ VectorGrid::Ptr motion_between(const MovingFrame& a, const MovingFrame& b, doubl
 double mismatch(const MovingFrame& a, const MovingFrame& b, double scale,
                 std::uint64_t memory_budget);
 
-/// How far a velocity of 1 moves in voxels that show something, root mean square; 0 without any.
+/// Root mean square speed at the active voxels of the visible grid, in the unit of the velocity; 0
+/// without a velocity.
 double typical_speed(const MovingFrame& frame);
 
 }  // namespace fluidcarve

@@ -49,7 +49,7 @@ void Motions::forget_old() const {
         try {
             if (const auto motion = each->motion.get()) bytes += motion->memUsage();
         } catch (...) {
-            // Whoever asked for it has been told.
+            // The caller has got the exception from its future.
         }
         if (bytes > budget_ / 4) return void(found_.erase(each, found_.end()));
     }

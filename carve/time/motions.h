@@ -11,12 +11,12 @@
 
 namespace fluidcarve {
 
-/// How things move from each frame of a sequence to the next, found when it is first asked for.
-/// Those asked for last are held.
+/// The motion from each frame of a sequence to the next, found on first request. The motions
+/// requested last are held.
 class Motions {
 public:
     /// @param sequence       must outlive this
-    /// @param scale          how far a velocity of 1 moves in a frame, world units
+    /// @param scale          displacement per frame at a velocity of 1, world units
     /// @param memory_budget  bytes; a quarter may be held
     Motions(const Sequence& sequence, double scale, std::uint64_t memory_budget)
         : sequence_(sequence), scale_(scale), budget_(memory_budget) {}
@@ -40,7 +40,7 @@ private:
     double scale_;
     std::uint64_t budget_;
     mutable std::mutex mutex_;
-    mutable std::list<Found> found_;  ///< asked for last comes first
+    mutable std::list<Found> found_;  ///< the last requested one comes first
 };
 
 }  // namespace fluidcarve

@@ -13,7 +13,7 @@ namespace fluidcarve {
 namespace {
 
 constexpr double most_frames = 1e6;
-constexpr double rounding = 1e-6;  ///< frames; what is nearer to a frame is that frame
+constexpr double rounding = 1e-6;  ///< frames; moments nearer to a frame than this are that frame
 
 /// The smallest step between frames of a sequence.
 int least_step(const std::vector<int>& frames) {

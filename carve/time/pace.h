@@ -7,8 +7,8 @@
 
 namespace fluidcarve {
 
-/// Which moment of a sequence each frame of a retimed one shows. One of `speed`, `count` and
-/// `curve` is stated.
+/// The wanted map from frames of a retimed sequence to moments of its source. One of `speed`,
+/// `count` and `curve` is stated.
 struct PaceWish {
     Auto<double> speed;  ///< frames of the source per frame; below 0: backwards
     Auto<int> count;     ///< number of frames that show the whole source
@@ -20,7 +20,7 @@ struct PaceWish {
 /// A moment between two frames of a sequence.
 struct Moment {
     std::size_t place = 0;  ///< index of the frame before
-    /// Of the way from there to the next frame, from 0 up to 1; 0: the frame itself.
+    /// Position between that frame and the next, from 0 up to 1; 0: the frame itself.
     double share = 0;
     /// Frames of the source that pass from frame to frame here; below 0: backwards.
     double rate = 1;

@@ -6,8 +6,8 @@
 
 namespace fluidcarve {
 
-/// Multiplies all velocities by how fast time goes where they are: grids of vectors, also those in
-/// three parts (Triplet), and those of points (velocity_name).
+/// Multiplies all velocities by the local rate of time: grids of vectors, also those stored as
+/// three grids (Triplet), and the velocities of points (velocity_name).
 /// @param rate  frames of the source per frame at a world position
 Volume paced(const Volume& volume, const ShareAt& rate);
 /// The same of points.

@@ -20,7 +20,7 @@ namespace {
 
 using openvdb::Vec3d;
 
-/// What is known of the points of a frame.
+/// The points of a frame, with velocities and ids.
 struct Cloud {
     std::vector<Vec3d> at;
     std::vector<Vec3d> velocity;                             ///< empty: unknown
@@ -35,7 +35,7 @@ struct Cloud {
         for (std::size_t n = 0; n < identities.size(); ++n) ids.emplace_back(identities[n], n);
         std::ranges::sort(ids);
     }
-    /// How far a point moves from frame to frame, world units.
+    /// Displacement of a point from frame to frame, world units.
     Vec3d motion(std::size_t n, double scale) const {
         return velocity.empty() ? Vec3d(0) : scale * velocity[n];
     }
@@ -65,8 +65,8 @@ double moment_of(std::uint64_t id) {
     return std::ldexp(static_cast<double>((id ^ (id >> 31)) >> 11), -53);
 }
 
-/// A place on the way from `a` to `b`, which begins and ends with the motions `from` and `to`. If
-/// these lead elsewhere, the way is straight.
+/// A position on the curve from `a` to `b` that begins and ends with the motions `from` and `to`.
+/// If these lead elsewhere, the curve is a straight line.
 Vec3d on_the_way(const Vec3d& a, const Vec3d& b, const Vec3d& from, const Vec3d& to, double share) {
     const auto way = b - a;
     const auto straight = a + share * way;
@@ -86,7 +86,7 @@ public:
         cell_ = std::cbrt(size.x() * size.y() * size.z()) / count;
         if (!(cell_ > 0)) cell_ = std::max({size.x(), size.y(), size.z()}) / count;
         if (!(cell_ > 0)) return;
-        // The box is mostly empty: so the cells with points say how far apart these are.
+        // The box is mostly empty: the spacing follows from the cells with points.
         sort();
         spacing_ = cell_ * std::cbrt(static_cast<double>(cells_.size())) / count;
         cell_ = 2 * spacing_;
@@ -129,7 +129,7 @@ double scale_without_ids(const Cloud& a, const Cloud& b) {
     const double speed = std::sqrt(sum / static_cast<double>(a.velocity.size()));
     const Cells cells(b.at);
     if (!(cells.spacing() > 0)) return 0;
-    // As many points as say it surely.
+    // Enough points for a reliable answer.
     constexpr std::size_t enough = 4000;
     const auto step = std::max<std::size_t>(a.at.size() / enough, 1);
     return cells.spacing() / speed * least_error_at([&](double number) {
@@ -156,7 +156,8 @@ public:
     /// Velocities of the points of `a`, or of `b`, as they are shown.
     const std::vector<Vec3d>& velocities(bool of_a) const { return velocities_[of_a ? 0 : 1]; }
 
-    /// One that both frames have goes from place to place; others come and go one by one.
+    /// A point of both frames moves from its one position to the other; others appear or vanish
+    /// one by one.
     void by_ids() {
         each_id(
             a_, b_,
@@ -178,13 +179,13 @@ public:
         std::ranges::sort(images_, std::less<>(), &PointImage::source);
     }
 
-    /// All of one frame.
+    /// Shows all points of one frame.
     void all_of(bool a) {
         for (std::size_t n = 0; n < (a ? a_ : b_).at.size(); ++n) show(n, a, moved(n, a));
     }
 
-    /// Those of the nearer frame, and where they leave a gap those of the other; but nothing where
-    /// neither frame has points: so what flows in and out does not move its ends.
+    /// Shows the points of the nearer frame, and those of the other where the first leave a gap;
+    /// but none where neither frame has points, so that inflow and outflow keep their ends.
     void without_ids() {
         for (const bool of_a : {true, false})
             for (std::size_t n = 0; n < (of_a ? a_ : b_).at.size(); ++n)
@@ -213,7 +214,7 @@ public:
 
 private:
     double share_of(std::size_t n, bool of_a) const { return share_((of_a ? a_ : b_).at[n]); }
-    /// Points of `b` count on from those of `a`.
+    /// Points of `b` are numbered after those of `a`.
     void show(std::size_t n, bool of_a, const Vec3d& at) {
         images_.push_back({static_cast<std::uint32_t>((of_a ? 0 : a_.at.size()) + n), true, at});
     }
@@ -261,7 +262,8 @@ Points points_mixed(const Points& a, const Points& b, const ShareAt& share, cons
     const auto shown = [&](std::uint64_t id, const Vec3d& at) { return share(at) > moment_of(id); };
     const auto at = a.positions(), next = b.positions();
     const auto ids = a.identities(), next_ids = b.identities();
-    std::unordered_map<std::uint64_t, bool> second;  // whether a point of `a` went over, by id
+    std::unordered_map<std::uint64_t, bool> second;  // whether a point of `a` changed to `b`, by
+                                                     // id
     const bool known = a.has_ids() && b.has_ids();
     for (std::size_t n = 0; n < at.size(); ++n) {
         const bool of_b = shown(ids[n], at[n]);

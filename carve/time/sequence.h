@@ -29,7 +29,7 @@ public:
              const Limits& limits);
 
     const std::vector<int>& numbers() const { return frames_.numbers(); }  ///< rising
-    /// Around the active voxels of all float grids of all frames, in their index space.
+    /// Box around the active voxels of all float grids of all frames, in their index space.
     const openvdb::CoordBBox& box() const { return box_; }
     std::size_t size() const { return frames_.size(); }
     bool has_velocity() const { return has_velocity_; }
@@ -50,8 +50,8 @@ std::optional<std::pair<FloatGrid::ConstPtr, FloatGrid::ConstPtr>> shown_in(cons
 std::optional<std::pair<MovingFrame, MovingFrame>> moving_in(const SequenceFrame& a,
                                                              const SequenceFrame& b);
 
-/// From a frame of a sequence to the next; 1 if there is one frame.
-/// @throws Failure if some are left out between others
+/// Difference between consecutive frame numbers; 1 if there is one frame.
+/// @throws Failure if frames are missing between others
 int step_of(const std::vector<int>& frames);
 
 }  // namespace fluidcarve

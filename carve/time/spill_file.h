@@ -8,7 +8,7 @@
 
 namespace fluidcarve {
 
-/// Bytes in a file without a name, which is made when the first are added.
+/// Blocks of bytes in an unnamed file, which is created when the first block is added.
 class SpillFile {
 public:
     struct Place {

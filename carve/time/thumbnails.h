@@ -11,8 +11,8 @@
 
 namespace fluidcarve {
 
-/// Small images of all frames of a sequence, to tell how much two of them differ: what is shown,
-/// and where it moves to. Where no float grid shows anything, points do: how many lie where.
+/// Small images of all frames of a sequence, to compare frames: what is visible, and its momentum.
+/// Where no float grid shows anything, points are counted instead.
 class Thumbnails {
 public:
     /// Adds the next frame.
@@ -20,7 +20,7 @@ public:
     void add(const Volume& volume, const Ref<VectorGrid>& velocity);
 
     std::size_t size() const { return frames_.size(); }
-    /// How much two frames differ, by what they show and, if there is a velocity, by how it moves.
+    /// How much two frames differ in what they show and, if there is a velocity, in its momentum.
     /// About 1 for neighbouring frames.
     double difference(std::size_t a, std::size_t b) const;
 
@@ -29,7 +29,7 @@ private:
         openvdb::FloatTree shown;     ///< sums over cubes of 4^3 voxels
         openvdb::Vec3STree momentum;  ///< the same of what is shown times its velocity
     };
-    /// Counts the points of a volume, by the voxels of the first ones.
+    /// Counts the points of a volume, in the voxels of the first point grid added.
     void add_points(const Volume& volume, Frame& to);
     /// Squared difference of two frames: of what they show, and of its momentum.
     std::array<double, 2> squares(const Frame& a, const Frame& b) const;

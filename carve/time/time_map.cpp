@@ -19,8 +19,8 @@ namespace fluidcarve {
 
 namespace {
 
-/// Seams of frames as seams along u: time takes the place of u, and each vertex along u that of a
-/// frame.
+/// Converts seams of frames to seams along u: time takes the place of u, and each vertex along u
+/// the place of a frame.
 Seams along_u(const Seams& seams) {
     auto out = seams;
     out.axis = Axis::u;
@@ -45,8 +45,8 @@ const Lattice& required(const Seams& seams, const Lattice& lattice) {
     return lattice;
 }
 
-/// Shares of the moments around one, of which neighbours add up to 1: a raised cosine.
-/// @return `2 fade - 1` of them, the middle one that of the moment itself
+/// Weights of the moments around one: a raised cosine, so that overlapping windows add up to 1.
+/// @return `2 fade - 1` weights, the middle one for the moment itself
 std::vector<float> weights_of(int fade) {
     std::vector<float> out;
     for (int m = 1 - fade; m < fade; ++m)
@@ -75,7 +75,7 @@ TimeMap::TimeMap(const Seams& seams, const Lattice& lattice, std::size_t count,
 int TimeMap::source_of(std::size_t vertex, int n) const {
     const auto laterals = static_cast<std::size_t>(shape_[1]),
                layer = laterals * static_cast<std::size_t>(shape_[2]), column = vertex % layer;
-    // A frame that is shown again stands between two; it is the one before.
+    // A repeated frame stands between two source frames; it shows the one before.
     const int halves = steps_[vertex / layer].displacement(n, static_cast<int>(column % laterals),
                                                            static_cast<int>(column / laterals));
     return std::clamp(n + static_cast<int>(std::floor(0.5 * halves)), 0, source_frames_ - 1);
@@ -98,7 +98,8 @@ TimeMap::Moments TimeMap::moments(int n) const {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, out.at.size(), 4096),
                       [&](const tbb::blocked_range<std::size_t>& range) {
                           for (auto c = range.begin(); c < range.end(); ++c) {
-                              // From where it is now, so that whole moments stay whole.
+                              // Sums differences from the present frame, so that whole moments
+                              // stay whole.
                               const int now = source_of(c, n);
                               float sum = 0;
                               for (int m = 1 - fade; m < fade; ++m)
@@ -118,7 +119,8 @@ std::vector<TimeMap::Seen> TimeMap::seen(int n) const {
     const int fade = fade_at(n);
     const auto weights = weights_of(fade);
     const auto places = static_cast<std::size_t>(source_frames_);
-    // Of each place in the source, how many vertices show it now, and whether any does soon.
+    // For each source frame: the number of vertices that show it now, and whether any vertex shows
+    // it within the fade.
     struct Shown {
         std::vector<std::size_t> now;
         std::vector<char> soon;
@@ -153,7 +155,7 @@ std::vector<TimeMap::Seen> TimeMap::seen(int n) const {
         if (!soon) continue;
         index[place] = out.size();
         out.push_back({static_cast<int>(place), std::vector<float>(vertices()), 0});
-        // Of the places that the vertices show, the middle one.
+        // The median of the source frames that the vertices show.
         if (before <= vertices() / 2 && before + now > vertices() / 2) out.back().outside = 1;
         before += now;
     }
@@ -204,7 +206,7 @@ std::optional<TimeMap::Corners> TimeMap::corners_at(const openvdb::Vec3d& world,
 double TimeMap::at(const Moments& moments, const openvdb::Vec3d& world) const {
     const auto corners = corners_at(world, false);
     if (!corners) return double(moments.outside);
-    // From the first of them on, so that whole moments stay whole.
+    // Sums differences from the first corner, so that whole moments stay whole.
     const double first = moments.at[corners->vertex[0]];
     double out = first;
     for (std::size_t c = 1; c < 8; ++c)
@@ -237,7 +239,7 @@ T TimeMap::moved(const FrameSource<T>& source, int n) const {
                 return std::clamp(moment_at(world) - from, 0.0, 1.0);
             },
             outside);
-        // What shows an earlier moment is there already.
+        // Places that show an earlier moment are complete.
         const ShareAt later = [&](const openvdb::Vec3d& world) {
             return moment_at(world) > from ? 1.0 : 0.0;
         };
@@ -253,7 +255,7 @@ T TimeMap::blended(const FrameSource<T>& source, int n) const {
     auto out = source.at(static_cast<std::size_t>(all.front().place));
     for (std::size_t last = 1; last < all.size(); ++last) {
         const auto next = source.at(static_cast<std::size_t>(all[last].place));
-        // Shares of the places before this one, together, and of this one.
+        // Total share of the source frames before this one, and the share of this one.
         const auto shares = [&](const openvdb::Vec3d& world) {
             const auto corners = corners_at(world, join_.fade == 1);
             std::array<float, 2> sums{};
@@ -273,7 +275,8 @@ T TimeMap::blended(const FrameSource<T>& source, int n) const {
                 return now > 0 ? now / (before + now) : 0.0;
             },
             all[last].outside > 0,
-            // Each point has a number of its own, and goes over where the shares before are below.
+            // Each point has a number of its own, and changes over where the total share before is
+            // below it.
             [&](const openvdb::Vec3d& world) { return 1.0 - shares(world)[0]; });
     }
     return out;

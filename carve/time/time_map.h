@@ -22,37 +22,36 @@
 
 namespace fluidcarve {
 
-/// The frames of a sequence, and how they go over into each other.
+/// The frames of a sequence, and how two of them are mixed.
 template <class T>
 struct FrameSource {
     std::function<T(std::size_t place)> at;
-    /// Both neighbours `a` and `b`, moved along the flow.
-    /// @param place   of the first
+    /// A moment between the neighbours `a` and `b`, moved along the flow.
+    /// @param place   index of `a`
     /// @param second  whether what can't be mixed is that of `b`
     std::function<T(const T& a, const T& b, std::size_t place, const ShareAt& share, bool second)>
         between;
-    /// Both, blended. @param of_points  the share of points; null: it is the same
+    /// `a` and `b`, blended. @param of_points  the share of points; null: it is the same
     std::function<T(const T& a, const T& b, const ShareAt& share, bool second,
                     const ShareAt& of_points)>
         mixed;
 };
-/// @param sequence, motions  must outlive what is returned
+/// @param sequence, motions  must outlive the result
 FrameSource<Volume> frames_of(const Sequence& sequence, const Motions& motions);
 /// The same of points, which go along their velocities.
 FrameSource<Points> frames_of(const NumberedFrames<Points>& list);
-/// The same of meshes, whose vertices go straight.
+/// The same of meshes, whose vertices move straight.
 FrameSource<Mesh> frames_of(const NumberedFrames<Mesh>& list);
 
-/// How seams of frames are carved from a sequence (METHOD 12 "Seams of frames"): of each place,
-/// frames leave or are shown twice, each at its own moment. The lattice stands still. What lies
-/// beyond a box goes along with its nearest vertex, what lies outside of other lattices with most
-/// of their vertices.
+/// Carves seams of frames from a sequence (METHOD 12 "Seams of frames"): at each place, frames are
+/// removed or shown twice, at moments of its own. The lattice must not move. Places beyond a box
+/// follow its nearest vertex; places outside other lattices follow the median of all vertices.
 class TimeMap {
 public:
     /// @param seams  of Axis::t
     /// @param count  of them, from the first on
-    /// @param join   Towards the sequence's ends fades are shorter. Where places go over at once,
-    ///   each is that of its nearest vertex.
+    /// @param join   fades are shorter towards the sequence's ends; with a cut, each place follows
+    ///   its nearest vertex
     /// @throws Failure if the set is not of this lattice, or not of frames, or holds fewer seams
     TimeMap(const Seams& seams, const Lattice& lattice, std::size_t count, const TimeJoin& join);
 
@@ -62,19 +61,19 @@ public:
     /// @param n       from 0 to frames() - 1
     template <class T>
     T frame(const FrameSource<T>& source, int n) const;
-    /// How fast time goes in a frame of the result: frames of the source per frame, by world
-    /// position. Null: as before everywhere, since places go over at once, or are blended, so that
-    /// each side moves at its own speed. Must not outlive this.
+    /// Rate of time in a frame of the result: frames of the source per frame, by world position.
+    /// Null: 1 everywhere, since frames are cut or blended, and each side moves at its own speed.
+    /// Must not outlive this.
     ShareAt rate(int n) const;
 
 private:
-    /// A frame of the source that is seen in one of the result.
+    /// A frame of the source that shows in a frame of the result.
     struct Seen {
         int place = 0;             ///< index in the source
         std::vector<float> share;  ///< `[i][k][j]`, at the vertices, 0 to 1
         float outside = 0;         ///< share outside the lattice, 0 or 1
     };
-    /// The vertices around a place, and how much each counts.
+    /// The vertices around a place, and their weights.
     struct Corners {
         std::array<std::size_t, 8> vertex;
         std::array<float, 8> weight;
@@ -93,14 +92,14 @@ private:
     T blended(const FrameSource<T>& source, int n) const;
     Moments moments(int n) const;
     double at(const Moments& moments, const openvdb::Vec3d& world) const;
-    /// All that are seen in a frame of the result. Their shares add up to 1 everywhere.
+    /// All source frames that show in a frame of the result. Their shares add up to 1 everywhere.
     std::vector<Seen> seen(int n) const;
     std::size_t vertices() const;
-    /// Frames in which places go over in a frame of the result.
+    /// The window F of the fade at a frame of the result, frames.
     int fade_at(int n) const { return std::min({join_.fade, n + 1, frames_ - n}); }
-    /// The place in the source that a vertex shows in a frame of the result, without a fade.
+    /// Index of the source frame that a vertex shows in a frame of the result, without a fade.
     int source_of(std::size_t vertex, int n) const;
-    /// The place that it shows in a frame as many behind, gone back by as many.
+    /// The same for frame `n + behind`, minus `behind`.
     int source_of(std::size_t vertex, int n, int behind) const;
     /// Nothing outside the lattice.
     std::optional<Corners> corners_at(const openvdb::Vec3d& world, bool nearest) const;

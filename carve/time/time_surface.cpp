@@ -70,7 +70,7 @@ void TimeSurface::add(const FloatGrid& first, const FloatGrid& second) {
 }
 
 void TimeSurface::finish() {
-    // Between the places that show most, the moment changes smoothly.
+    // Smooths the moments, weighted by the differences at each place.
     for (std::size_t n = 0; n < when_.size(); ++n) when_[n] = all_[n] * (when_[n] / weight_[n]);
     smooth(when_, 4);
     smooth(all_, 4);

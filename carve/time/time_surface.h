@@ -11,20 +11,20 @@
 
 namespace fluidcarve {
 
-/// Where and when one run of frames goes over into another: a surface in space and time. Each place
-/// goes over when both differ least there, in a few frames; so all but a few places show one of
-/// them alone (METHOD 12 "Loops").
+/// The surface in space and time at which one run of frames changes into another (METHOD 12
+/// "Loops"). Each place changes when both runs differ least there, within a few frames; most
+/// places show one run alone.
 class TimeSurface {
 public:
-    /// @param like    whose space the surface is in
+    /// @param like    the surface is in the space of this grid
     /// @param frames  pairs of frames, at least 1
-    /// @param width   frames in which a place goes over, at least 1, at most `frames`
+    /// @param width   frames in which a place changes over, at least 1, at most `frames`
     /// @param box     of all voxels that show something
     TimeSurface(const FloatGrid& like, std::size_t frames, double width,
                 const openvdb::CoordBBox& box);
 
-    /// Adds the next pair: a frame of the first run, and the one into which it goes over. They must
-    /// have the transform of `like`.
+    /// Adds the next pair: a frame of the first run, and the frame into which it changes. They
+    /// must have the transform of `like`.
     void add(const FloatGrid& first, const FloatGrid& second);
     /// Call it when all are added.
     void finish();
@@ -46,12 +46,12 @@ private:
         all_;  ///< `[x][y][z]`; when_: the moment, from 1 to `frames`, once finished
 };
 
-/// The surface at which one run of frames goes over into another.
-/// @param pairs  places in the source: of a frame of the first run, and of the one into which it
-/// goes over; at least one
+/// The surface at which one run of frames changes into another.
+/// @param pairs  indices in the source of a frame of the first run and of the frame into which it
+///   changes; at least one pair
 /// @param width  as above
 /// @param tick   called between pairs
-/// @return nothing if no float grid of one transform shows in all of these frames
+/// @return nothing if these frames do not all show a float grid of one transform
 std::optional<TimeSurface> surface_between(
     const Sequence& source, const std::vector<std::pair<std::size_t, std::size_t>>& pairs,
     double width, const std::function<void()>& tick);

@@ -20,8 +20,8 @@ struct AnyGrid {
     openvdb::GridBase::ConstPtr grid;
 };
 
-/// Place of the first name that is the wanted one. If there is none, `name[n]` is the place of the
-/// name's n-th, from 0 on.
+/// Index of the first name that equals `wanted`. If there is none, `name[n]` finds the n-th of
+/// that name, from 0 on.
 std::optional<std::size_t> find_name(const std::vector<std::string>& names,
                                      const std::string& wanted);
 
@@ -31,14 +31,13 @@ struct Volume {
     openvdb::MetaMap metadata;  ///< metadata of the file, not of its grids
     std::string codec;  ///< compression of the file: "none", "zip", "blosc"; empty: not from a file
 
-    /// Place of the grid that find_name() finds.
+    /// Index of the grid that find_name() finds.
     std::optional<std::size_t> place(const std::string& name) const;
-    /// The grid at that place, or null.
+    /// The grid at that index, or null.
     openvdb::GridBase::ConstPtr find(const std::string& name) const;
-    /// Names of the grids, which may be the same for several.
+    /// Names of the grids; several grids may have one name.
     std::vector<std::string> given_names() const;
-    /// Names of the grids, several of one name as OpenVDB tells them apart: "density[0]",
-    /// "density[1]".
+    /// Names of the grids; equal names are numbered as in OpenVDB: "density[0]", "density[1]".
     std::vector<std::string> unique_names() const;
     /// Names of the grids for messages: "density, velocity".
     std::string names() const;

@@ -14,10 +14,10 @@ namespace fluidcarve {
 /// leaves are eight voxels deep.
 struct Plane {
     openvdb::CoordBBox box;  ///< the active voxels, all of one z
-    /// The voxels that have values here; the others of `box` are 0. Empty: none has.
+    /// The voxels with stored values; the other voxels of `box` are 0. May be empty.
     openvdb::CoordBBox stored;
-    std::shared_ptr<const float> values;  ///< that of the voxel `stored.min()`, with the array
-                                          ///< behind it; of whole numbers the bits
+    std::shared_ptr<const float> values;  ///< the value of the voxel `stored.min()`, and the
+                                          ///< others by along_x and along_y; integers as bits
     std::ptrdiff_t along_x = 0,
                    along_y = 0;  ///< from the value of a voxel to that of its neighbour
 
@@ -30,8 +30,8 @@ struct Plane {
     }
 };
 
-/// One grid of a volume: a tree, or the plane of a picture's channel, which becomes a tree only for
-/// those who ask for it.
+/// One grid of a volume: a tree, or the plane of a picture's channel, which becomes a tree only on
+/// request.
 class VolumeGrid {
 public:
     VolumeGrid() = default;
@@ -44,7 +44,7 @@ public:
     /// Type, name, transform and metadata of the grid, perhaps without its voxels.
     const openvdb::GridBase& header() const { return *grid_; }
     std::string name() const { return grid_->getName(); }
-    /// The grid. One of a plane is made anew by each call.
+    /// The grid. A plane is converted anew by each call.
     openvdb::GridBase::ConstPtr grid() const;
     operator openvdb::GridBase::ConstPtr() const { return grid(); }
     openvdb::GridBase::ConstPtr operator->() const { return grid(); }

@@ -10,8 +10,8 @@
 namespace fluidcarve {
 
 /// By how much a warp makes a lattice longer along its axis: a number of vertices, which need not
-/// be whole, or a percentage of the vertices along the axis, or of what is shown there. Negative
-/// makes it shorter. A curve
+/// be whole, or a percentage of the vertices along the axis, or of the visible content there.
+/// Negative makes it shorter. A curve
 /// (METHOD 11 "Ramps") states other amounts at other planes or frames; a file may state another
 /// curve along the lattice for each of several frames.
 struct WarpAmount {
@@ -29,7 +29,7 @@ struct WarpAmount {
         Length amount;
     };
     struct Share {
-        double at = 0;  ///< of the other dimension
+        double at = 0;  ///< place along the other dimension
         double share = 0;
     };
     struct Section {
@@ -40,9 +40,9 @@ struct WarpAmount {
     /// The least distance between the places of two points.
     static constexpr double least_step = 1e-6;
 
-    Length whole;            ///< without a curve
+    Length whole;            ///< the amount without a curve
     Along along = Along::w;  ///< of `points`
-    /// Of a curve, rising; linear between them, constant beyond; empty: none.
+    /// Points of a curve, rising; linear between them, constant beyond; empty: no curve.
     std::vector<Point> points;
     std::vector<Share> shares;  ///< factors along the other dimension, the same way; empty: all 1
     /// Curves at frames, rising; linear between them, constant beyond. There are then no `points`
@@ -53,9 +53,9 @@ struct WarpAmount {
     bool varies_along(Along dimension) const {
         return varies() && (dimension == along || !shares.empty() || !sections.empty());
     }
-    /// Whether nothing is to be done.
+    /// Whether all amounts are 0.
     bool nothing() const;
-    /// The same with all percentages in vertices. @param size  what they count, vertices
+    /// The same with all percentages in vertices. @param size  vertices that make 100 %
     WarpAmount in_vertices(double size) const;
     /// Whether any part of it is a percentage.
     bool has_percent() const;

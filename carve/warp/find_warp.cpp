@@ -25,7 +25,7 @@ constexpr double tolerance = 1e-5;  ///< of a displacement, as a share of the am
 constexpr int most_cycles = 40;
 constexpr int most_raises = 16;
 constexpr int cycles_after_raise = 2;
-/// Weights are raised so far that space is squeezed by this share, if all else stays.
+/// Weights are raised until space is squeezed by this share, if all else stays.
 constexpr double raised_to = 0.8;
 
 /// A window in points of a warp: what is outside of it in vertices is outside of it in points, too.
@@ -90,8 +90,8 @@ public:
             systems_.push_back(
                 std::make_unique<WarpSystem>(warp_, weights_, window, task_.stiffness));
         solve(tolerance, most_cycles);
-        // The solution hardly ever turns back anywhere; without that, no amount draws out what
-        // another one squeezes.
+        // The solution hardly ever turns back. Once it never does, amounts of one sign only
+        // stretch, and amounts of the other only squeeze.
         ease_all([](double moved) { return moved < 0 ? -1.0 : 1.0; }, 0);
         warp_.set_scale(task_.amount);
         if (steepest(task_.amount) <= most_squeezed) return cycles_;
@@ -152,7 +152,7 @@ private:
         }
     }
 
-    /// The greatest share by which space is squeezed anywhere.
+    /// Largest share by which space is squeezed anywhere.
     double steepest(double scale) {
         double out = 0;
         for (std::size_t t = 0; t < warp_.frames(); ++t)
@@ -172,7 +172,7 @@ private:
         return out;
     }
 
-    /// Raises weights where space is squeezed too much, and goes on from the present values.
+    /// Raises weights where space is squeezed too much, and continues from the present values.
     void raise() {
         each_column(warp_, [&](std::size_t t, std::size_t c) {
             const auto values = column(t, c);
@@ -195,7 +195,8 @@ private:
     }
 
     /// Lets no interval's slope lie below `least`.
-    /// @param way  1, or -1 if slopes are turned round: by how far the end of a window moves
+    /// @param way  factor of slopes by the displacement of a window's end: 1, or -1 if slopes are
+    ///   reversed
     template <class Way>
     void ease_all(const Way& way, double least) {
         each_column(warp_, [&](std::size_t t, std::size_t c) {
@@ -209,7 +210,7 @@ private:
     }
 
     /// The same in one window of a column: intervals whose slope is too low rise to `least`, and
-    /// the others give, the softer the more.
+    /// the others give way, softer ones more.
     void ease(std::span<float> values, std::span<const std::uint16_t> held, const Window& window,
               double way, double lowest) const {
         const auto first = static_cast<std::size_t>(window.first),
@@ -224,7 +225,7 @@ private:
             good = good && steps[n] >= least[n];
         }
         if (good) return;
-        // The steps must add up as before: find by how much the others are pressed.
+        // The steps must add up as before: find by how much the others must give way.
         const auto total = way * static_cast<double>(values[first + count] - values[first]);
         const auto pressed = [&](std::size_t n, double by) {
             return std::max(least[n], steps[n] - by * give[n]);
@@ -256,7 +257,7 @@ private:
 
 /// The room of one column, and where it is.
 struct Room {
-    double ratio = 1;  ///< what there is, as a share of what is wanted; 1: enough
+    double ratio = 1;  ///< available room as a share of the wanted room; 1: enough
     std::size_t t = 0, column = 0, free = 0, of = 0;
     Part part;
 };

@@ -12,14 +12,15 @@
 
 namespace fluidcarve {
 
-/// Space is squeezed by no more than this share: vertices stay in their order.
+/// Largest share by which an interval may be squeezed, so that vertices stay in order.
 inline constexpr double most_squeezed = 0.9;
 
 /// What a warp is to do.
 struct WarpTask {
     Window window;                      ///< vertices between which the displacement changes
     std::optional<Window> pair_window;  ///< above `window`: where it goes back to 0
-    /// Below `window`, with a `pair_window`: both then give one half, so that the middle stays.
+    /// A second pair window, below `window`: each then takes half of the amount, so that the
+    /// middle stays.
     std::optional<Window> pair_below;
     /// By how much the window changes, as a share of `amount`: `[t][k]`, by points of the warp; the
     /// greatest is 1 or -1.
@@ -28,14 +29,14 @@ struct WarpTask {
     WarpStiffness stiffness;
 };
 
-/// Why an amount is out of reach: a column has too little room.
+/// A column that has too little room for an amount.
 struct NoRoom {
     /// The greatest amount for which there is room, vertices, of the sign asked for.
     double possible = 0;
     int lateral = 0, k = 0;
-    std::size_t t = 0;     ///< where room is least; by vertices
-    Window window;         ///< where
-    bool pair = false;     ///< whether that is a window of the pair
+    std::size_t t = 0;     ///< the column with the least room, by vertices
+    Window window;         ///< the window with too little room
+    bool pair = false;     ///< whether `window` is a pair window
     std::size_t free = 0;  ///< intervals along the axis that are not protected
     std::size_t of = 0;    ///< all intervals of the window
 };

@@ -18,13 +18,13 @@ using ColumnRange = tbb::blocked_range<std::size_t>;
 
 constexpr std::size_t columns_at_once = 64;
 constexpr std::size_t columns_together =
-    4;  ///< are solved side by side, so that the divisions of one do not wait for each other
+    4;  ///< columns solved together, so that the divisions of one do not wait for each other
 constexpr std::size_t coarsest_columns =
-    8;  ///< a level of so few columns is solved by sweeps alone
+    8;  ///< a level of at most so many columns is solved by sweeps alone
 constexpr int coarsest_sweeps = 16;
 constexpr int coarse_cycles = 2;  ///< of a coarser level in each cycle of the next finer one
-/// A dimension is coarsened unless it is so much weaker coupled than the strongest. Then the others
-/// come first.
+/// A dimension whose coupling is below this share of the strongest is coarsened later than the
+/// others.
 constexpr double weak_coupling = 0.25;
 
 }  // namespace
@@ -52,7 +52,7 @@ public:
             fixed_[c] = value(c)[0] == 0 && value(c)[width_ - 1] == 0;
     }
 
-    /// The next coarser level. @param finer  must stay
+    /// The next coarser level. @param finer  must outlive this
     explicit Level(const Level& finer)
         : size_(finer.size_),
           rings_(finer.rings_),
@@ -101,7 +101,7 @@ public:
                           });
     }
 
-    /// Solves every column once, for what its neighbours are. @return the greatest change
+    /// Solves every column once, with its neighbours fixed. @return the greatest change
     double sweep() {
         double change = 0;
         for (int turn = 0; turn < turns(); ++turn)
@@ -125,8 +125,8 @@ public:
         return change;
     }
 
-    /// Sets the equations of the correction to the mean of what is left of the finer level's, and
-    /// the correction to 0.
+    /// Sets the equations of the correction to the mean of the finer level's residuals, and the
+    /// correction to 0.
     void restrict_from(const Level& finer) {
         std::ranges::fill(values_, 0.0f);
         tbb::parallel_for(ColumnRange(0, columns(), columns_at_once),
@@ -164,7 +164,7 @@ public:
 private:
     using Place = std::array<int, 3>;  ///< lateral, k, t
 
-    /// Lines along the axis that the work on a column needs.
+    /// Buffers for the work on a column.
     struct Lines {
         explicit Lines(std::size_t width)
             : own(width),
@@ -175,7 +175,7 @@ private:
               result(width) {}
         std::vector<float> own, other;  ///< weights
         std::vector<float> diagonal,
-            wanted;  ///< of the couplings to columns beside, and of all else that is known
+            wanted;  ///< right-hand side: couplings to neighbouring columns, and all known terms
         std::vector<double> factor, result;  ///< of the elimination
     };
 
@@ -206,7 +206,7 @@ private:
     /// last one waits.
     bool last_waits(std::size_t d) const { return rings_[d] && size_[d] % 2 == 1 && size_[d] > 1; }
     int turns() const { return 2 * (last_waits(0) ? 2 : 1) * (last_waits(1) ? 2 : 1); }
-    /// When a column is solved: never together with a neighbour.
+    /// Turn in which a column is solved, never together with a neighbour.
     int turn_of(const Place& at) const {
         int out = (at[0] + at[1] + at[2]) % 2, later = 2;
         for (std::size_t d = 0; d < 2; ++d) {
@@ -267,7 +267,7 @@ private:
         decode_energies(codes, out);
     }
 
-    /// Sets up a column's equations: what couples it to its neighbours.
+    /// Sets up a column's equations: its couplings to its neighbours.
     void couple(std::size_t c, Lines& lines) const {
         load_weights(c, lines.own);
         std::ranges::fill(lines.diagonal, 0.0f);
@@ -287,12 +287,12 @@ private:
             }
         });
     }
-    /// What couples a point to the next one along the axis.
+    /// Coupling of a point to the next one along the axis.
     double along(const Lines& lines, std::size_t p) const {
         return 0.5 * (lines.own[p] + lines.own[p + 1]) * inverse_length_[p];
     }
 
-    /// Solves columns of one turn for what their neighbours are. @return the greatest change
+    /// Solves the columns of one turn with their neighbours fixed. @return the greatest change
     double solve_columns(const std::vector<std::size_t>& columns, std::vector<Lines>& lines) {
         std::array<float*, columns_together> at{};
         std::array<double, columns_together> below{}, last{};
@@ -372,7 +372,8 @@ private:
     std::array<double, 3> coupling_;  ///< stiffness laterally, along w and in time
     std::array<bool, 3> halved_{};    ///< which dimensions have half of the finer level's columns
     std::vector<float> inverse_length_;             ///< of the intervals along the axis
-    std::vector<std::uint8_t> fixed_;               ///< `[column]`: whether it stays as it is
+    std::vector<std::uint8_t> fixed_;               ///< `[column]`: whether the column stays as it
+                                                    ///< is
     Warp* warp_ = nullptr;                          ///< of the finest level; null in others
     const FrameStore* codes_ = nullptr;             ///< weights of the finest level
     std::size_t first_ = 0;                         ///< point of the warp with which columns begin

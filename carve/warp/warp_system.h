@@ -12,8 +12,8 @@ namespace fluidcarve {
 
 /// How stiffly a warp resists shear, as a share of how stiffly it resists squeezing.
 struct WarpStiffness {
-    double space = 0.25;  ///< between neighbours across the axis
-    double time = 1;      ///< from frame to frame; values of one place
+    double space = 0.25;  ///< to neighbours across the axis
+    double time = 1;      ///< to the same place in neighbouring frames
 };
 
 /// The equations of a warp (METHOD 11): of all displacements with given values at both ends of a
@@ -24,12 +24,10 @@ struct WarpStiffness {
 /// those of the finest. The result does not depend on the number of threads.
 class WarpSystem {
 public:
-    /// @param warp     holds at the window's ends the given values, between them the solution as
-    ///   far as it is known
-    /// @param weights  energy codes, one for each value of the warp, in frames as the warp's; not
-    ///   marked ones; above 0
-    /// @param window   points along the axis; values outside of it are not read
-    /// Both must stay. A column whose two ends are 0 stays 0.
+    /// @param warp     holds the given values at the window's ends, and a first guess between them
+    /// @param weights  energy codes above 0, one for each value of the warp; not marked ones
+    /// @param window   points along the axis; values outside of it are not read Both must outlive
+    ///   this object. A column whose two ends are 0 stays 0.
     WarpSystem(Warp& warp, const FrameStore& weights, Window window,
                const WarpStiffness& stiffness);
     ~WarpSystem();

@@ -15,12 +15,12 @@ namespace fluidcarve {
 
 namespace {
 
-/// The vertices of a dimension that are nearest to a point: first and last. Of two points as near,
-/// the lower one has the vertex.
+/// The vertices of a dimension that are nearest to a point: first and last. A vertex halfway
+/// between two points belongs to the lower one.
 std::pair<int, int> vertices_near(int point, int vertices, int points, int factor) {
     const int at = point * factor, first = point == 0 ? 0 : at - (factor - 1) / 2;
-    // The last point of a dimension that is no ring stands at the last vertex, perhaps nearer to
-    // the one before it.
+    // If a dimension is not a ring, its last point stands at the last vertex, perhaps closer to
+    // the point before it.
     return {std::min(first, vertices - 1),
             point + 1 == points ? vertices - 1 : std::min(at + factor / 2, vertices - 2)};
 }

@@ -11,8 +11,8 @@
 namespace fluidcarve {
 namespace {
 
-/// The absolute place that a path leads to, without links; nothing if they lead in a circle. Below
-/// what does not exist there are no links.
+/// The absolute place that a path leads to, without links; nothing if links form a cycle. Below a
+/// missing folder there are no links.
 std::optional<std::filesystem::path> place_behind_links(const std::filesystem::path& path) {
     constexpr int most_links = 40;  // as Linux
     std::error_code error;
@@ -29,7 +29,7 @@ std::optional<std::filesystem::path> place_behind_links(const std::filesystem::p
         if (part == "..") {
             out = out.parent_path();
         } else if (!std::filesystem::is_symlink(out / part, error)) {
-            out /= part;  // the root, too, with which absolute paths start anew
+            out /= part;  // an absolute part replaces the whole path
         } else {
             const auto target = std::filesystem::read_symlink(out / part, error);
             if (error || ++links > most_links) return std::nullopt;

@@ -6,19 +6,19 @@
 
 namespace fluidcarve {
 
-/// Folders outside of which no pipeline makes the program read or write: `--confine`.
+/// The only folders in which pipelines may read and write: `--confine`.
 class Confinement {
 public:
     /// No folders: everything is allowed.
     Confinement() = default;
-    /// @throws Failure if one is no folder
+    /// @throws Failure if one is not a folder
     explicit Confinement(const std::vector<std::string>& folders);
 
     bool on() const { return !folders_.empty(); }
-    /// Why a file may not be opened, and the remedy, as words that follow its path: "leads to ...";
-    /// empty if it may. Follows all links, also those that lead to nothing yet.
+    /// Why a file may not be opened, and the remedy, as words that follow its path: "leads to
+    /// ..."; empty if it may. Follows all links, also dangling ones.
     std::string refusal(const std::string& path) const;
-    /// The same of a file that is open: where it lies now. @param descriptor  of the system
+    /// The same for an open file, by its present place. @param descriptor  of the file
     std::string refusal_of_open(int descriptor) const;
 
     /// The confinement of this program.

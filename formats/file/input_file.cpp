@@ -21,7 +21,7 @@ std::string fault_of_opening(int error, const FileUse& use) {
     return fmt::format("can't be opened: {}", std::strerror(error));
 }
 
-/// Why what is open is not read; empty if it is.
+/// Why an open file is not read; empty if it is.
 std::string fault_of_opened(const struct stat& opened, const FileUse& use) {
     if (S_ISDIR(opened.st_mode)) return std::string(use.folder);
     if (!S_ISREG(opened.st_mode))
@@ -39,15 +39,15 @@ InputFile::InputFile(std::string path, const FileUse& use) : path_(std::move(pat
     const auto& confinement = use.anywhere ? none : Confinement::of_program();
     if (const auto refusal = confinement.refusal(path_); !refusal.empty())
         throw Unreadable(path_, refusal);
-    // Without O_NONBLOCK, a pipe would not open before its writer does. Regular files take no
-    // notice of it.
+    // Without O_NONBLOCK, a pipe would not open before its writer does. It has no effect on
+    // regular files.
     do file_ = open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
     while (file_ < 0 && errno == EINTR);
     if (file_ < 0) throw Unreadable(path_, fault_of_opening(errno, use));
     struct stat opened {};
     auto fault =
         fstat(file_, &opened) == 0 ? fault_of_opened(opened, use) : fault_of_opening(errno, use);
-    // A link may have changed since the path was looked at.
+    // A link may have changed since the path was checked.
     if (fault.empty()) fault = confinement.refusal_of_open(file_);
     if (!fault.empty()) {
         close(file_);
@@ -92,7 +92,7 @@ void InputFile::advise(Use use) const {
         posix_fadvise(file_, 0, 0, POSIX_FADV_DONTNEED);
         return;
     }
-    // Linux reads no more than this at one request, where the disk's read-ahead is as by default.
+    // With the default read-ahead of disks, Linux reads no more than this per request.
     constexpr std::uint64_t at_once = 128 * 1024;
     for (std::uint64_t at = 0; at < size_; at += at_once)
         posix_fadvise(file_, static_cast<off_t>(at), at_once, POSIX_FADV_WILLNEED);

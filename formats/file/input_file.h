@@ -17,7 +17,7 @@ public:
     std::string fault;  ///< the message without the path: "does not exist"
 };
 
-/// What a file is read as.
+/// How a file is read.
 struct FileUse {
     static constexpr auto any_size = ~std::uint64_t{0};
 
@@ -39,8 +39,8 @@ public:
     InputFile& operator=(const InputFile&) = delete;
 
     const std::string& path() const { return path_; }
-    /// What a library opens that reads the file by itself. In a confined program it leads to this
-    /// very file, as long as this object lives.
+    /// The path for a library that opens the file by itself. In a confined program it leads to
+    /// this open file, as long as this object lives.
     std::string path_to_open() const;
     /// Bytes that the file held when it was opened.
     std::uint64_t size() const { return size_; }
@@ -56,8 +56,7 @@ public:
     void require_same_size() const;
 
     enum class Use { soon, over };
-    /// Tells the system that all of the file will be read soon, so that it begins to, or that
-    /// nobody will read it again, so that it need not hold it.
+    /// Tells the system to read the whole file ahead (soon), or to drop it from the cache (over).
     void advise(Use use) const;
 
 private:
@@ -70,11 +69,11 @@ private:
     int file_ = -1;
 };
 
-/// The text of a file that this program writes for itself, such as a record in a work folder. Empty
-/// if there is none that can be read: no regular file, one that is larger than any of ours, one
+/// The text of a file that this program writes for itself, such as a record in a work folder.
+/// Empty if the file can't be read, is not a regular file, is larger than any of ours, or lies
 /// outside of --confine.
 std::string text_of_own_file(const std::string& path);
-/// Whether a file that can be read, a regular one, begins with some bytes.
+/// Whether a path leads to a readable regular file that begins with `bytes`.
 bool begins_with(const std::string& path, std::string_view bytes);
 
 }  // namespace fluidcarve

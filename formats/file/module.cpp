@@ -23,14 +23,14 @@ const void* open_module(const std::string& name, const std::string& package) {
                         "this version over fluidcarve's, or install {2} "
                         "and build fluidcarve again",
                         name, path, package));
-    // Symbols are looked up in all libraries that are opened at once. There are hundreds behind a
-    // module. Opened one by one before it, from those that need no other, each is looked up in the
-    // few that its own library needs: half of the time. One that fails here is opened with the
-    // module.
+    // Symbols are looked up in all libraries that are opened together: hundreds behind a module.
+    // If the libraries are opened one by one before it, beginning with those that need no other,
+    // each symbol is looked up only in the few that its own library needs: half of the time. A
+    // library that fails here is opened with the module.
     for (const auto& library : needed_libraries(path))
         dlopen(library.c_str(), RTLD_LAZY | RTLD_LOCAL);
     // Most functions of the hundreds of libraries behind a module are never called: looking up all
-    // takes a third of the time.
+    // of them takes a third of the time.
     void* const library = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
     if (!library)
         throw Failure(fmt::format(

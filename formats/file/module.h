@@ -13,12 +13,12 @@ struct Module {
     const void* table;    ///< function table: a plain struct declared by a header of the core
 };
 
-/// The folder of this library, by which all that is installed with it is found.
+/// The folder of this library. Files installed with it are found from there.
 std::filesystem::path library_folder();
 
 /// The function table of the module `name`. Its file `fluidcarve_NAME.so` lies beside this library.
 /// The first call opens it; it stays open. Thread-safe.
-/// @param package  the package of Debian without which the module is not built
+/// @param package  the Debian package that the module needs to be built
 /// @throws Failure if there is no file (names the path and the package), it can't be opened, or has
 ///   another version
 const void* module_table(const std::string& name, const std::string& package);

@@ -52,7 +52,7 @@ fs::path folder_of(const fs::path& file) {
 }
 
 /// The name of a temporary file: `.STEM.REALM.PROCESS.SERIAL.part[.EXTENSION]`.
-/// The stem may be cut, so that the name is no longer than a file's may be.
+/// The stem is cut if the name would be too long for a file.
 std::string aside_name(const fs::path& target, unsigned serial) {
     constexpr std::size_t most = 255;  // bytes
     const auto rest =
@@ -64,7 +64,7 @@ std::string aside_name(const fs::path& target, unsigned serial) {
 /// The process that a temporary file is named after.
 struct Owner {
     std::string realm;
-    int process = 0;  ///< 0: none that there can be
+    int process = 0;  ///< 0: impossible process
 };
 
 /// Reads what aside_name() wrote; nothing for any other name.
@@ -107,8 +107,8 @@ void remove_orphans(const fs::path& folder) {
     }
 }
 
-/// Whether a path names a device or a pipe: by its kind, or by its place in the system, as
-/// `/dev/stdout` that leads to a file.
+/// Whether a path names a device or a pipe: by its kind, or by its place, such as `/dev/stdout`
+/// that leads to a file.
 bool is_stream(const fs::path& path) {
     std::error_code error;
     const auto kind = fs::status(path, error).type();
@@ -134,7 +134,7 @@ void require_allowed(const std::string& path) {
 }
 
 /// Waits until a file or a folder is on the disk.
-/// @param target  the output that it is for
+/// @param target  the output, for messages
 /// @throws Failure if the disk does not take it
 void flush(const std::string& path, const std::string& target) {
     const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
@@ -192,7 +192,7 @@ void OutputFile::write(const std::string& path, std::string_view text) {
 }
 
 void OutputFile::require_writable(const std::string& path) {
-    // A pipe's reader would take a trial for the end.
+    // The reader of a pipe would take a trial write for the end.
     if (!is_stream(path)) {
         const OutputFile file(path);
         return;
@@ -237,7 +237,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     if (file < 0)
         throw Failure(fmt::format("cannot write {}: no file can be made in the folder {}: {}",
                                   path_, folder.string(), std::strerror(errno)));
-    // A link may have changed since the path was looked at.
+    // A link may have changed since the path was checked.
     const auto refusal = Confinement::of_program().refusal_of_open(file);
     ::close(file);
     if (!refusal.empty()) {
@@ -256,7 +256,7 @@ OutputFile::~OutputFile() {
 
 void OutputFile::commit() {
     require_allowed(path_);
-    // A file that takes the place of another keeps who may read it.
+    // A file that replaces another gets its permissions.
     if (struct stat old{}; stat(path_.c_str(), &old) == 0 && S_ISREG(old.st_mode))
         chmod(aside_.c_str(), old.st_mode & 0777);
     if (synced) flush(aside_, path_);

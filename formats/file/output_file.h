@@ -28,12 +28,12 @@ public:
     /// @throws Failure if it can't be renamed or, with sync_commits, flushed
     void commit();
     /// Closes a stream into the temporary file, then commits.
-    /// @throws Failure also if the stream did not take all
+    /// @throws Failure also if not all data was written
     void commit(std::ofstream& stream);
     /// Closes a stream into the temporary file.
-    /// @throws Failure if the stream did not take all, or the system refuses it now
+    /// @throws Failure if not all data was written
     void close(std::ofstream& stream) const;
-    /// What a writer throws that finds its temporary file cut off.
+    /// The failure for a writer that finds its temporary file cut off.
     Failure not_whole() const;
 
     /// Whether commits wait until the file, and then its name in the folder, are on the disk, so
@@ -43,7 +43,7 @@ public:
 
     /// Inode of the file that this process last renamed to `path`; 0: none.
     static std::uint64_t number_at(const std::string& path);
-    /// Whether a file of this name is a temporary file, of whatever process.
+    /// Whether a file of this name is a temporary file of any process.
     static bool is_aside(std::string_view name);
     /// Removes the temporary files of all outputs that are not committed. To be called before a
     /// hard exit.

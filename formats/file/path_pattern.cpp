@@ -114,8 +114,8 @@ std::string escaped_for_glob(std::string_view text) {
 }  // namespace
 
 bool NameEnds::fits(const NameEnds& other) const {
-    // Where one name goes on, the other has a number, which begins with a minus or a digit and ends
-    // with a digit.
+    // Where the longer name continues, the other has a number, which begins with a minus or a
+    // digit and ends with a digit.
     const auto [less, more] = std::minmax(
         begin, other.begin, [](const auto& a, const auto& b) { return a.size() < b.size(); });
     if (!more.starts_with(less) ||

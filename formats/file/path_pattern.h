@@ -6,17 +6,17 @@
 
 namespace fluidcarve {
 
-/// A file's name without its frame numbers: the text before the first and after the last. A name
-/// without one is both.
+/// A file's name without its frame numbers: the text before the first and after the last number.
+/// Without a number, both are the whole name.
 struct NameEnds {
     std::string begin, end;
 
-    /// Whether both names could be one, by whatever numbers. False is certain.
+    /// Whether both names may be equal for some numbers. False is certain, true is not.
     bool fits(const NameEnds& other) const;
 };
 
-/// A path with the last number of its file's name, outside of the extension, as a frame token:
-/// `a.0051.vdb` as `a.####.vdb`; empty if it has none.
+/// A path with the last number of its file's name, outside of the extension, replaced by a frame
+/// token: `a.0051.vdb` as `a.####.vdb`; empty if it has none.
 std::string with_frame_token(const std::string& path);
 
 /// A path that may hold frame tokens: `####` (as many digits as hashes), `%04d`, `$F4`, `<frame>`,
@@ -37,7 +37,7 @@ public:
     std::string at(int frame) const;
     /// The text, a relative path joined to the folder.
     std::string in_its_folder() const;
-    /// The name of every frame's file; nothing if their folders differ, too.
+    /// The ends of the names of all frames' files; nothing if the folders differ, too.
     std::optional<NameEnds> name_ends() const;
     /// Whether a file of any frame exists now.
     bool exists() const;

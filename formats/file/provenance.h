@@ -28,7 +28,7 @@ inline std::string provenance_line(const Provenance::value_type& entry) {
 }
 
 /// The entry that a comment holds; two empty texts if it holds none.
-/// @param comment  a line behind what makes it a comment
+/// @param comment  a line without its comment sign
 inline Provenance::value_type provenance_of_line(std::string_view comment) {
     const auto end = comment.find(": ");
     const auto name = comment.substr(0, end);

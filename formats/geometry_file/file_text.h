@@ -78,8 +78,8 @@ constexpr std::string_view blanks = " \t\r\v\f";
 /// The words of a line. @param separators  characters between words
 std::vector<std::string_view> words_of(std::string_view line, std::string_view separators = blanks);
 
-/// The number that a word is as a whole, perhaps behind a `+`; nothing if it is none, or too large
-/// for its type.
+/// The number that a whole word states, perhaps behind a `+`; nothing if it is not a number, or
+/// too large for its type.
 template <class Number>
 std::optional<Number> number_of(std::string_view word) {
     if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
@@ -89,8 +89,8 @@ std::optional<Number> number_of(std::string_view word) {
                                                                     : std::nullopt;
 }
 
-/// A word of a file for messages: in quotes, at most 40 characters, others than printable ASCII as
-/// `?`.
+/// A word of a file for messages: in quotes, at most 40 characters, with `?` for all but printable
+/// ASCII.
 std::string quoted(std::string_view word);
 
 }  // namespace fluidcarve

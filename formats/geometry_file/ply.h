@@ -10,7 +10,7 @@
 
 namespace fluidcarve {
 
-/// Name in a header, the older of two: "float", not "float32".
+/// Name in a header, the older of its two names: "float", not "float32".
 std::string_view name_of(NumberType type);
 /// Name in a header: "binary_little_endian".
 std::string_view name_of(NumberForm encoding);
@@ -20,7 +20,7 @@ struct PlyStatement {
     enum class Kind { comment, format, element, property, end, other };
     Kind kind = Kind::other;
     std::vector<std::string_view> words;  ///< with the keyword; none in an empty line
-    /// The word that is no format, no count or no type; empty: it is missing.
+    /// The invalid word in place of a format, count or type; empty: the word is missing.
     std::optional<std::string_view> wrong;
 
     /// A word, or empty behind the last.
@@ -51,8 +51,8 @@ struct PlyHeader {
     std::vector<std::string> comments;  ///< whole lines that begin with `comment` or `obj_info`
     std::vector<Element> elements;
 
-    /// Takes in a line behind the first. What is wrong or missing in it is left at its default, and
-    /// a property before all elements is left out.
+    /// Parses a line after the first. Wrong or missing parts keep their defaults; a property
+    /// before all elements is ignored.
     PlyStatement take(std::string_view line);
 };
 

@@ -9,10 +9,10 @@
 
 namespace fluidcarve {
 
-/// What begins a comment.
+/// The beginning of a comment.
 inline constexpr std::string_view obj_comment = "# ", ply_comment = "comment ";
 
-/// A comment line for each entry, without line ends. @param begin  what begins a comment
+/// A comment line for each entry, without line ends. @param begin  the beginning of a comment
 std::vector<std::string> provenance_comments(const Provenance& provenance, std::string_view begin);
 
 /// Whether a line of an OBJ file or a PLY header is such a comment.

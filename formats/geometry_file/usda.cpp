@@ -15,7 +15,7 @@ namespace {
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Appends a number with no more digits than its type takes to read it back.
+/// Appends a number with only the digits needed to read it back in its type.
 void put_number(std::string& out, double value, NumberType type) {
     const auto to = std::back_inserter(out);
     if (std::isnan(value)) out += "nan";

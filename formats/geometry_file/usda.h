@@ -22,7 +22,7 @@ bool names_usda(const std::string& path);
 /// Whether a text can name a prim or a property: ASCII letters, digits and `_`, no digit first.
 bool is_usd_name(std::string_view text);
 
-/// Makes names of any texts that USD takes, all different: `vel.x` becomes `vel_x`, a second one
+/// Turns texts into distinct names that are valid in USD: `vel.x` becomes `vel_x`, a second one
 /// `vel_x_2`.
 class UsdNames {
 public:
@@ -55,10 +55,10 @@ public:
 
     /// @param statement  a line within the prim
     void add(std::string_view statement);
-    /// @param array   with a name that the prim has not
+    /// @param array   with a name that is new in the prim
     /// @param values  `[element][part]`
     void add(const Array& array, const std::vector<double>& values);
-    /// Adds an array to the primvars, the attributes that USD does not know.
+    /// Adds an array as a primvar, an attribute without a meaning of its own in USD.
     /// @return false if USD has no type for elements of so many parts
     bool add_primvar(std::string_view name, std::string_view interpolation, std::size_t parts,
                      NumberType number, const std::vector<double>& values);

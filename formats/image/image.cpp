@@ -91,7 +91,7 @@ bool is_opacity(const std::string& channel) {
 
 namespace {
 
-/// Whether a part of a channel's name between points is one of some words, whatever its case.
+/// Whether a part of a channel's name between dots is one of some words, in any case.
 bool has_part(const std::string& channel, std::initializer_list<std::string_view> words) {
     for (std::size_t begin = 0; begin <= channel.size();) {
         const auto end = std::min(channel.find('.', begin), channel.size());

@@ -38,7 +38,7 @@ struct Image {
     bool smaller = false;  ///< whether the file holds smaller copies of the picture (mipmaps),
                            ///< which are not read
     /// Values of the data window: `[y][x][channel]`. Integers are divided by the largest value of
-    /// their depth; those of 32 bits are their bits.
+    /// their depth; 32-bit integers are stored as their bits.
     std::vector<float> pixels;
 };
 
@@ -52,7 +52,7 @@ struct ImageModule {
     /// opacity.
     /// @throws Failure as `header`
     Image (*read)(const std::string& path, const std::string& format);
-    /// Checks that all pixels can be read, and gives what `header` gives.
+    /// Checks that all pixels can be read. Returns the same as `header`.
     /// @throws Failure as `header`
     Image (*checked)(const std::string& path, const std::string& format);
     /// Writes the pixels unchanged, each channel in its depth. Values outside the range of an
@@ -90,8 +90,8 @@ std::string image_endings();
 
 /// "there is no channel 'Q'; there are R, G, B". @param there  names of all channels, as `R, G, B`
 std::string no_channel(const std::string& channel, const std::string& there);
-/// Checks by their names that channels are there.
-/// @param wanted  nothing: none
+/// Checks by name that channels exist.
+/// @param wanted  nothing: checks nothing
 /// @throws Failure with the message of no_channel()
 void require_channels(const std::optional<std::vector<std::string>>& wanted,
                       const std::vector<std::string>& there);
@@ -99,15 +99,15 @@ void require_channels(const std::optional<std::vector<std::string>>& wanted,
 /// Whether a channel is opacity by its name: A or alpha, also with a layer's name before it.
 bool is_opacity(const std::string& channel);
 
-/// Whether the values of a channel name things, and must never be averaged: whole numbers of 32
-/// bits, layers of Cryptomatte with their coverages, and passes such as IndexOB and objectId.
+/// Whether the values of a channel are identifiers, which must never be averaged: whole numbers of
+/// 32 bits, layers of Cryptomatte with their coverages, and passes such as IndexOB and objectId.
 bool is_identity(const Image::Channel& channel, const std::vector<Image::Attribute>& attributes);
 
 /// The three channels of the picture that people look at: R, G and B, else those of a layer, such
 /// as ViewLayer.Combined. Empty: there are none.
 std::vector<std::string> colours_of(const std::vector<std::string>& channels);
 
-/// Whether a channel says how far away things are.
+/// Whether a channel, by its name, holds distances from the camera.
 bool is_depth(const std::string& channel);
 
 /// Whether depth `to` holds every number of depth `from` without loss.

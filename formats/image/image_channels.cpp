@@ -100,7 +100,7 @@ std::vector<std::string> depths_of(const Channels& channels, const ImageWish& wi
                               : format.depths.back() == "double" ? "float"
                                                                  : format.depths.back();
         read.push_back(meta(channel.header(), depth_key, fallback));
-        // Bits of 32 are no number that another depth could hold.
+        // 32-bit integers are stored as bits, which no other depth can hold.
         const bool bits = read.back() == "uint" || read.back() == "int";
         if (bits && (format.name != "openexr" || read.back() == "int"))
             throw Failure(

@@ -33,7 +33,7 @@ struct ImageWish {
     std::optional<std::vector<std::string>> channels;
 };
 
-/// Whether a grid holds the bits of a channel that names things.
+/// Whether a grid holds the bits of a channel of identifiers.
 bool is_identity(const openvdb::GridBase& grid);
 
 std::string names_of(const Channels& channels);

@@ -53,7 +53,7 @@ std::string jpeg_segment(const Provenance::value_type& entry) {
     return std::string(app9) + big_bytes(static_cast<std::uint32_t>(body.size() + 2), 2) + body;
 }
 
-/// Reads a file piece by piece. A piece that is not there makes it damaged.
+/// Reads a file piece by piece. If a piece is missing, the file is damaged.
 class Pieces {
 public:
     explicit Pieces(const InputFile& file) : file_(file) {}
@@ -112,8 +112,8 @@ Provenance of_png(Pieces& file) {
     }
 }
 
-/// Walks the segments that a JPEG file begins with, up to the first that is for no application.
-/// @return where that begins
+/// Walks the first segments of a JPEG file, up to the first that is not an application's.
+/// @return where that segment begins
 std::uint64_t walk_jpeg(Pieces& file, Provenance& out) {
     file.skip(jpeg_start.size());
     while (true) {

@@ -68,7 +68,7 @@ constexpr std::uint64_t most_image_pixels = std::uint64_t{1} << 32;
 constexpr int farthest_pixel = 100'000'000;
 
 /// The window of a picture, from a volume's metadata.
-/// @throws Failure (input) if no picture is as large
+/// @throws Failure (input) if pictures can't be as large
 Image::Window window_of(const MetaMap& from, const char* key, const Image::Window& fallback) {
     if (!from[key]) return fallback;
     const auto out = unpacked(meta(from, key, packed(fallback)));
@@ -234,7 +234,7 @@ void read_channel(const GridT& grid, const CoordBBox& voxels, const tbb::blocked
         }
 }
 
-/// The same of a plane, whose pixels outside of its box are 0.
+/// The same for a plane, whose pixels outside of its box are 0.
 void read_plane(const Plane& plane, const CoordBBox& voxels, const tbb::blocked_range<int>& rows,
                 const PixelPlaces& places, std::size_t count, float* out) {
     for (int y = rows.begin(); y < rows.end(); ++y)

@@ -22,7 +22,7 @@ Volume volume_of(Image image);
 /// @param header  may have no pixels
 std::array<int, 2> upright_size(const Image& header);
 
-/// Bytes of memory of a picture, which is also its volume. @param header  may have no pixels
+/// Bytes of memory that the volume of a picture takes. @param header  may have no pixels
 std::uint64_t bytes_as_volume(const Image& header);
 
 /// Converts a volume to a picture: the box of its active voxels, which must lie in one plane z. If

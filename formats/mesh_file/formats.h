@@ -29,7 +29,7 @@ std::string ply_text(const Mesh& mesh, const std::vector<openvdb::Vec3d>& points
 std::string off_text(const Mesh& mesh, const std::vector<openvdb::Vec3d>& points, Losses& losses);
 std::string stl_text(const Mesh& mesh, const std::vector<openvdb::Vec3d>& points, Losses& losses);
 
-/// Checks that all corners are vertices.
+/// Checks that all corners refer to vertices of the mesh.
 /// @throws Failure (input) naming the first face with a wrong corner
 void require_vertices(const FileText& file, const Mesh& mesh);
 /// Name of an attribute for messages: "UVs", "normals", "colours", or its name in quotes.
@@ -40,8 +40,8 @@ std::string text_of(Mesh::Attribute::On on);
 double full_light(Mesh::Attribute::Type type);
 /// Adds the message that an attribute is not written.
 void lose(Losses& losses, const Mesh::Attribute& attribute, const std::string& why);
-/// The mesh's lines if its file had this format; else none, and a message if groups or materials
-/// are lost.
+/// The mesh's lines if its file had this format. Else none, and adds a message if groups or
+/// materials are lost.
 const std::vector<Mesh::Line>& lines_for(const Mesh& mesh, const std::string& format,
                                          Losses& losses);
 

@@ -8,7 +8,7 @@
 
 namespace fluidcarve {
 
-/// A mesh read from a file, and messages about data of the file that it does not hold.
+/// A mesh read from a file, and messages about data of the file that the mesh does not hold.
 struct MeshFile {
     Mesh mesh;
     std::vector<std::string> losses;
@@ -28,7 +28,7 @@ void probe_mesh(const std::string& path);
 
 /// Writes a mesh in the format of the path's extension. A mesh read from a file of that format is
 /// written as it was. The file appears whole or not at all.
-/// @param placement  the placement to undo; null: that of the mesh's origin
+/// @param placement  the placement to undo; null: that of the mesh's stored form
 /// @param provenance  what the file states of how it was made, as comments in OBJ and PLY; OFF and
 ///   STL state nothing
 /// @return messages about data that the format can't hold

@@ -31,7 +31,7 @@ Entries entries_of(const Mesh::Attribute& attribute, std::size_t first, std::siz
     return out;
 }
 
-/// Adds an attribute as what USD has for it. @return false if USD has nothing, or has it already
+/// Adds an attribute as USD's own one. @return false if USD has none, or the prim has it already
 bool put_as_own(UsdGeometry& out, const Mesh::Attribute& attribute) {
     const auto on = interpolation_of(attribute.on);
     const auto parts = attribute.parts.size();

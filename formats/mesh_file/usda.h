@@ -9,10 +9,9 @@
 namespace fluidcarve {
 
 /// Writes a mesh as a .usda file with one UsdGeomMesh, not subdivided. Positions are those of the
-/// shot's world. UVs, normals, colours and velocities become what USD has for them, other
+/// shot's world. UVs, normals, colours and velocities become USD's own attributes, other
 /// attributes primvars. The file appears whole or not at all.
-/// @param placement  moves positions into another space, whose placement in the world it is; null:
-///   none
+/// @param placement  the placement to undo in positions; null: none
 /// @param frame      the time of the mesh; nothing: it is the same at all times
 /// @return messages about data that USD can't hold
 /// @throws Failure if the file can't be written

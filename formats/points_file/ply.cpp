@@ -132,7 +132,7 @@ private:
 
     static bool is_vertex(const PlyHeader::Element& element) { return element.name == "vertex"; }
 
-    /// Takes a line of the header over, or refuses it. @param header  up to this line
+    /// Accepts a line of the header, or refuses it. @param header  up to this line
     void accept(const PlyStatement& statement, const PlyHeader& header, const std::string& text) {
         using Kind = PlyStatement::Kind;
         const auto words = statement.words.size();

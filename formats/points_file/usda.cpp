@@ -59,7 +59,7 @@ double full_colour(NumberType type) {
     });
 }
 
-/// Adds an attribute as what USD has for it. @return false if USD has nothing, or has it already
+/// Adds an attribute as USD's own one. @return false if USD has none, or the prim has it already
 bool put_as_own(UsdGeometry& out, const PointTable& points, const UsdAttribute& attribute) {
     const auto type = points.columns[attribute.first].type;
     const bool vector = attribute.parts == 3, floats = is_floating(type);

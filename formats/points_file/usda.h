@@ -10,8 +10,7 @@ namespace fluidcarve {
 
 /// How points go to a .usda file.
 struct UsdPointsWish {
-    const Placement* placement = nullptr;  ///< moves positions into another space, whose placement
-                                           ///< in the world it is; null: none
+    const Placement* placement = nullptr;  ///< the placement to undo in positions; null: none
     std::optional<double> width;  ///< width of every point, world units; nothing: twice the
                                   ///< attribute `radius` or `pscale`, else half a voxel
     std::optional<int> frame;  ///< the time of the points; nothing: they are the same at all times
@@ -20,11 +19,11 @@ struct UsdPointsWish {
 /// What a written .usda file does not hold.
 struct UsdPointsUnsaid {
     std::vector<std::string> attributes;  ///< names of attributes that were not written
-    bool width = false;                   ///< how wide the points are
+    bool width = false;                   ///< true: the width of the points
 };
 
 /// Writes points as a .usda file with one UsdGeomPoints. Positions are those of the shot's world.
-/// Normals, colours, an `id` and a `velocity` (`v`) become what USD has for them, other attributes
+/// Normals, colours, an `id` and a `velocity` (`v`) become USD's own attributes, other attributes
 /// primvars. The file appears whole or not at all.
 /// @throws Failure if the file can't be written
 UsdPointsUnsaid write_points_usda(const std::string& path, const Points& points,

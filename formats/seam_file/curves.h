@@ -10,16 +10,16 @@
 
 namespace fluidcarve {
 
-/// The curves of one seam in one frame: lines along the surface that it is.
+/// The curves of one seam in one frame: lines along its surface.
 struct SeamCurves {
     std::vector<openvdb::Vec3d> vertices;             ///< world positions
     std::vector<std::array<std::uint32_t, 2>> edges;  ///< pairs of indices in `vertices`
     std::array<std::uint8_t, 3> colour{};             ///< sRGB
 };
 
-/// The curves of all seams in a frame, in the order of finding; of pairs the other seam follows
-/// each, in the same colour. They lie at the seams' places in the uncarved lattice: at removed
-/// vertices, or half a vertex behind doubled ones.
+/// The curves of all seams in a frame, in the order of finding. The two seams of a pair follow
+/// each other, in the same colour. They lie at the seams' places in the uncarved lattice: at
+/// removed vertices, or half a vertex behind doubled ones.
 /// @param every  distance of neighbouring curves along the lateral dimension and along w, vertices,
 ///   at least 1; the last one always has a curve
 /// @throws Failure as CarveMap: another lattice, another shape, or no such frame

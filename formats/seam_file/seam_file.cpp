@@ -228,7 +228,8 @@ private:
 void require_distinct(const Seams& seams, const std::vector<Seams::Seam>& insertions,
                       std::string (*name)(std::size_t n)) {
     if (insertions.empty())
-        return;  // a file of a kilobyte may state as many columns as take a minute to visit
+        return;  // a file of a kilobyte may state so many columns that visiting them takes a
+                 // minute
     std::vector<bool> taken(static_cast<std::size_t>(seams.carved()));
     each_column(seams, [&](const Coord& at, std::size_t column) {
         for (std::size_t n = 0; n < insertions.size(); ++n) {
@@ -365,7 +366,7 @@ std::optional<FramesCarved> frames_carved_by(const std::string& path) try {
     const bool inserts = seam_text(first, "kind", path) == to_text(Seams::Kind::insert);
     return FramesCarved{{static_cast<double>(inserts ? count : -count)}, paired};
 } catch (const Failure&) {
-    return std::nullopt;  // whoever reads the file says what is wrong with it
+    return std::nullopt;  // read_seams() reports the fault
 }
 
 Seams read_seams(const std::string& path) {

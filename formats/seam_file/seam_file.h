@@ -11,14 +11,14 @@
 namespace fluidcarve {
 
 /// Converts seams to the volume that a seam file holds. Each seam, in order, is a FloatGrid
-/// `seam.0000`, and so on: its value at `(lateral, slice, t)` is the seam's entry, of seams of
-/// frames that at `(i, j, k)`, and all columns are active. Grid metadata: `kind` and `energy`.
+/// `seam.0000`, and so on: its value at `(lateral, slice, t)`, or at `(i, j, k)` for seams of
+/// frames, is the seam's entry, and all columns are active. Grid metadata: `kind` and `energy`.
 /// Pairs have a second grid each, `seam.0000.pair`. A warp has the grids of grids_of_warp()
 /// instead. Volume metadata: seam_texts() and, as `fluidcarve_checksum`, seam_checksum().
 Volume seams_to_volume(const Seams& seams);
 
 /// Converts such a volume back to seams, or a warp. Does not check that neighbouring entries are
-/// feasible. Metadata may state anything: memory is taken only for what the grids hold.
+/// feasible. Takes memory only for what the grids hold, whatever the metadata states.
 /// @throws Failure (input), without the file's name, if anything is missing, not a whole number, or
 ///   out of range, or if there is a checksum
 ///         and it does not match
@@ -27,8 +27,8 @@ Seams seams_from_volume(const Volume& volume);
 /// Writes a seam file, whole or not at all.
 /// @throws Failure if it can't be written
 void write_seams(const std::string& path, const Seams& seams, const Provenance& provenance = {});
-/// What the seams of a file do to the frames of a sequence, by its header; nothing if they are none
-/// of frames, or if the file can't be read.
+/// The effect of a file's seams on the frames of a sequence, by its header; nothing if they are
+/// not seams of frames, or if the file can't be read.
 std::optional<FramesCarved> frames_carved_by(const std::string& path);
 /// Reads a seam file.
 /// @throws Failure (input) naming the file

@@ -17,7 +17,7 @@ namespace {
 constexpr const char* factor_name = "fluidcarve_warp_factor";
 constexpr int most_entries = std::numeric_limits<std::uint16_t>::max();
 
-/// So many whole numbers, separated by commas; nothing if the text is anything else.
+/// `count` whole numbers, separated by commas; nothing if the text is anything else.
 template <std::size_t count>
 std::optional<std::array<int, count>> numbers(std::string_view text) {
     std::array<int, count> out{};

@@ -12,8 +12,8 @@
 
 namespace fluidcarve {
 
-/// All that a seam file says in its metadata of seams, as names and texts, in the order of the
-/// file's documentation. What has its default is left out.
+/// The metadata of a seam file about its seams, as names and texts, in the order of the file's
+/// documentation. Entries with default values are left out.
 std::vector<std::pair<std::string, std::string>> seam_texts(const Seams& seams);
 
 /// The number of vertices from point to point of the warp in a file; nothing if the file holds
@@ -21,8 +21,7 @@ std::vector<std::pair<std::string, std::string>> seam_texts(const Seams& seams);
 /// @throws Failure (input) if it is none of 1, 2 and 4
 std::optional<int> warp_factor(const openvdb::MetaMap& metadata);
 
-/// Reads such metadata. Takes memory for no more frames than the shape states, and for none of its
-/// columns.
+/// Reads such metadata. Takes memory for no more frames than the shape states, and for no columns.
 /// @return the seams without their entries, of unknown kind
 /// @throws Failure (input), without the file's name, if a text is missing or wrong
 Seams seams_of_texts(const openvdb::MetaMap& metadata);

@@ -13,11 +13,11 @@ namespace fluidcarve {
 std::vector<VolumeGrid> grids_of_warp(const Warp& warp);
 
 /// Reads such grids. Takes memory only for what they hold.
-/// @param seams   says the shape, the frames and whether the lattice is closed
+/// @param seams   give the shape, the frames and whether the lattice is closed
 /// @param factor  vertices from point to point
 /// @return the warp with its bounds; its scale is 1
 /// @throws Failure (input), without the file's name, if a grid is missing or has other points, or
-///   if a value is not finite or turns space over
+///   if a value is not finite or inverts space
 Warp warp_of_grids(const Volume& volume, const Seams& seams, int factor);
 
 }  // namespace fluidcarve

@@ -8,8 +8,8 @@
 
 namespace fluidcarve {
 
-/// A grid of a .vdb file, as OpenUSD's schema UsdVol describes it. The members' texts are the
-/// schema's own words.
+/// A grid of a .vdb file, as OpenUSD's schema UsdVol describes it. Texts are the schema's own
+/// tokens.
 struct UsdField {
     std::string name;        ///< of the grid in the file
     int index = 0;           ///< among the file's grids of this name

@@ -135,8 +135,8 @@ private:
         block("{", "}", [] {});
     }
 
-    /// At each frame its own file, in which the same time holds. The manifest says which attributes
-    /// they have.
+    /// Value clips: each frame's own file, at the same time code. The manifest lists their
+    /// attributes.
     void clips(const UsdStage::Part& part, const std::string& manifest) {
         std::string active, files;
         for (std::size_t n = 0; n < stage_.frames.size(); ++n) {

@@ -10,9 +10,9 @@
 
 namespace fluidcarve {
 
-/// A shot as OpenUSD sees it: volumes, and files of meshes and points, through the frames.
+/// A shot for OpenUSD: volumes, and files of meshes and points, over all frames.
 struct UsdStage {
-    /// What stands in one file, or in one for each frame.
+    /// The content of one file, or of one file per frame.
     struct Part {
         std::string name;                 ///< of its prim
         PathPattern file;                 ///< .vdb with `fields`, else .usda
@@ -27,14 +27,13 @@ struct UsdStage {
     std::vector<Part> parts;
 };
 
-/// The frame whose file stands for those of all frames where one must: for which attributes there
-/// are. The middle one, since simulations begin and end with nothing.
+/// Index of the frame whose file tells which attributes all frames have: the middle one, since
+/// simulations may begin and end empty.
 std::size_t typical_place(std::size_t frames);
 
-/// The text of the stage's .usda file. Volumes are UsdVol's, with a time sample of each field's
-/// file for each frame. Meshes and points are references, with the files of the frames as value
-/// clips.
-/// @param path  of the file; others are named as they lie from there
+/// The text of the stage's .usda file. Volumes follow UsdVol, with a time sample of each field's
+/// file for each frame. Meshes and points are references, with the frames' files as value clips.
+/// @param path  of the file; other files are named relative to it
 std::string stage_text(const UsdStage& stage, const std::string& path);
 
 }  // namespace fluidcarve

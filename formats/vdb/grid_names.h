@@ -10,7 +10,7 @@ namespace fluidcarve {
 
 /// "has no grid 'x'; it has density, vel": the end of a message.
 /// @param known    the names that are there
-/// @param because  who wants it: ", but 'edges' takes carved.x"
+/// @param because  why it is needed: ", but 'edges' takes carved.x"
 std::string lacks_grid(const std::string& name, const std::vector<std::string>& known,
                        const std::string& because = {});
 

@@ -14,8 +14,7 @@ void HeaderRegion::add(const VdbHeader::Entry& grid, const Placement& placement)
     known_ = known_ && grid.transform && grid.transform->isLinear() && count &&
              (count->value() == 0 || (low && high));
     if (!known_ || count->value() == 0) return;
-    // Voxels reach half their width beyond their centres, and what is derived of them a little
-    // further.
+    // Voxels reach half their width beyond their centres, and derived values a little further.
     const openvdb::BBoxd voxels(Vec3d(low->value()) - Vec3d(1), Vec3d(high->value()) + Vec3d(1));
     box_.expand(placed(*grid.transform, placement)->indexToWorld(voxels));
 }

@@ -8,7 +8,7 @@
 
 namespace fluidcarve {
 
-/// Where the active voxels of grids lie, as the statistics in their headers say.
+/// The region of the active voxels of grids, by the statistics in their headers.
 class HeaderRegion {
 public:
     /// Adds a grid, in one frame.

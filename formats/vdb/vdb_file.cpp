@@ -124,7 +124,7 @@ public:
         return grid;
     }
 
-    /// What a grid takes. An instance takes nothing of its own.
+    /// Memory of a grid. An instance takes none of its own.
     std::optional<GridMemory> memory(const GridDescriptor& of) {
         constexpr std::int64_t most_counted =
             256 << 10;  // a survey looks at every frame, and must stay quick
@@ -140,7 +140,7 @@ public:
             const auto counted = size_of_tree(format, part(tree_at, of.getBlockPos()));
             return GridMemory{counted.bytes, counted.active_voxels * format.value_bytes};
         } catch (const std::exception&) {
-            return std::nullopt;  // reading the grid says what is wrong
+            return std::nullopt;  // reading the grid reports the fault
         }
     }
 
@@ -212,8 +212,8 @@ private:
                                      "nanovdb_convert, or write it as OpenVDB",
                                      path_)
                        : fmt::format("{} is not a VDB file", path_));
-        // Of OpenVDB 13; grids are laid out as in 224, but for half-typed ones, which read()
-        // refuses.
+        // Version of OpenVDB 13. Grids have the layout of 224, except half-typed ones, which
+        // read() refuses.
         constexpr std::uint32_t newest = 225;
         static_assert(openvdb::OPENVDB_FILE_VERSION <= newest);
         version_ = number<std::uint32_t>();
@@ -242,8 +242,8 @@ private:
         }
     }
 
-    /// Lets OpenVDB read the header. Of a newer file it reads a copy that states the library's own
-    /// version: else it prints a warning.
+    /// Lets OpenVDB read the header. For a newer file, OpenVDB gets a copy with the library's own
+    /// version, since it would print a warning.
     void read_header() {
         constexpr std::int64_t longest = 64;
         std::istringstream head(

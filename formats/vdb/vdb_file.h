@@ -37,13 +37,14 @@ struct VdbHeader {
     std::vector<std::string> names() const;
 };
 
-/// What a grid takes, counted from its tree's topology in the file.
+/// Memory that a grid takes, counted from its tree's topology in the file.
 struct GridMemory {
     std::uint64_t tree = 0;   ///< bytes, without points
-    std::uint64_t dense = 0;  ///< bytes of the values of all active voxels, those of tiles included
+    std::uint64_t dense = 0;  ///< bytes of the values of all active voxels, including those of
+                              ///< tiles
 };
 
-/// An open .vdb file. However much is read of it, its header is walked only once.
+/// An open .vdb file. Its header is parsed only once.
 class VdbFile {
 public:
     /// Opens the file and checks that it is complete; OpenVDB reads a truncated file without an
@@ -66,7 +67,7 @@ public:
     /// @param place  index in VdbHeader::grids
     /// @throws Failure (input) as read()
     openvdb::GridBase::Ptr read(std::size_t place);
-    /// Counts what a grid takes.
+    /// Counts the memory that a grid takes.
     /// @return nothing if its topology is larger than 256 KiB, or can't be counted
     std::optional<GridMemory> memory(std::size_t place);
 

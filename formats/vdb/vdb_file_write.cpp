@@ -30,8 +30,8 @@ std::uint32_t flags_of_grid(std::uint32_t flags, const openvdb::GridBase& grid) 
     return unzipped ? flags & ~static_cast<std::uint32_t>(openvdb::io::COMPRESS_ZIP) : flags;
 }
 
-/// What openvdb::io::File writes, into a stream of the caller: File takes no notice of what the
-/// system refuses.
+/// Writes as openvdb::io::File, but into a stream of the caller: File does not notice errors of
+/// the system.
 struct Writer : openvdb::io::Archive {
     using Archive::write;
 };

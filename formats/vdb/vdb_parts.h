@@ -11,12 +11,12 @@
 
 namespace fluidcarve {
 
-/// Requires that what OpenVDB keeps about a grid in its metadata is of the types that it expects:
-/// it fails at the next change otherwise.
+/// Requires that OpenVDB's own metadata of a grid has the types that OpenVDB expects: otherwise it
+/// fails at the next change of the grid.
 /// @throws std::runtime_error
 void check_own_metadata(const openvdb::GridBase& grid);
 
-/// A part of a file in memory. Positions are those in the file.
+/// A stream buffer over a part of a file in memory. Positions are those in the file.
 class PartBuffer : public std::streambuf {
 public:
     /// @param at  position of the part in the file
@@ -45,8 +45,8 @@ private:
     std::int64_t at_;
 };
 
-/// Whether the numbers of a linear map agree: files hold its scale, voxel and inverse side by side,
-/// and OpenVDB trusts each.
+/// Whether the numbers of a linear map are consistent: files store its scale, voxel size and
+/// inverse redundantly, and OpenVDB trusts each.
 bool agrees_with_itself(const openvdb::math::Transform& transform);
 
 }  // namespace fluidcarve

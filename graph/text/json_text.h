@@ -8,8 +8,7 @@
 
 namespace fluidcarve {
 
-/// A JSON value as text that every reader takes: bytes that are no UTF-8, as names of files may
-/// hold, become U+FFFD.
+/// A JSON value as valid UTF-8: invalid bytes, as in names of files, become U+FFFD.
 /// @param indent  spaces per level; below 0: one line
 template <class Json>
 std::string json_text(const Json& json, int indent = -1) {

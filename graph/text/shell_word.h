@@ -5,8 +5,8 @@
 
 namespace fluidcarve {
 
-/// A word of a shell's command, in quotes if it needs them. Of other characters than those of ASCII
-/// it needs bash or zsh.
+/// A word of a shell command, quoted if necessary. Control and non-ASCII characters need bash or
+/// zsh.
 std::string shell_word(const std::string& word);
 
 /// Words as one command.

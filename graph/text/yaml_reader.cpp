@@ -46,8 +46,8 @@ public:
         value.kind = Value::Kind::scalar;
         value.mark = place(mark);
         value.text = text;
-        // Written as an escape: what reads a path up to a NUL would take another file than what
-        // checked it.
+        // Control characters may be written as escapes: code that reads a path up to a NUL would
+        // open another file than the one checked.
         const auto control = std::ranges::find_if(text, [](unsigned char c) {
             return (c < 0x20 && c != '\n' && c != '\t' && c != '\r') || c == 0x7f;
         });

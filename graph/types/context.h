@@ -52,15 +52,15 @@ public:
     bool cancelled() const { return host_->cancelled(); }
     /// Throws Cancelled once the run is being stopped. Long bodies call it a few times per second.
     void check_cancelled() const;
-    /// Reports how much of the work of `finish` is done, 0 to 1. What an earlier run found
-    /// (`resume`) is no work of this one.
+    /// Reports how much of the work of `finish` is done, 0 to 1. Results of an earlier run
+    /// (`resume`) do not count.
     void progress(double fraction) const { host_->progress(fraction); }
     /// Saves the finished part of a growing result (Growth), so that it is not lost if the run is
     /// killed.
     void hold(const Payload& result) const { host_->hold(result); }
     /// Shows a warning at the end of the run and adds it to the report, once per node and text.
     void warn(const std::string& message) const { host_->warn(message); }
-    /// The same, shown now: for what makes the work ahead, which may take long, useless.
+    /// The same, but shown at once: for faults that make long work ahead useless.
     void warn_at_once(const std::string& message) const { host_->warn_at_once(message); }
     /// Adds an entry for this node to a section of the report, such as `seams`.
     void report(const std::string& section, const nlohmann::ordered_json& entry) const {
@@ -70,8 +70,8 @@ public:
     /// Shows a line at the end of the run, behind the node's name, unless the run is quiet. Only
     /// `conclude` may call it.
     void tell(const std::string& line) const { host_->tell(line); }
-    /// What a writer states in its files, in place of what a file that was read states of itself.
-    /// Empty: nothing.
+    /// The provenance that a writer states in its files, in place of that of a file that was read.
+    /// Empty: none.
     Provenance provenance() const { return host_->provenance(); }
 
     /// Bytes that one node may hold in memory for the whole sequence. Beyond that it uses files

@@ -5,11 +5,11 @@
 
 namespace fluidcarve {
 
-/// What results of a node depend on beside its inputs, its parameters and the files that these
+/// Further dependencies of a node's results, besides inputs, parameters and the files that these
 /// name.
 struct Further {
     std::vector<std::string> files;  ///< paths
-    std::string version;             ///< of what is no file; empty: nothing
+    std::string version;             ///< version of dependencies that are not files; empty: none
 };
 
 }  // namespace fluidcarve

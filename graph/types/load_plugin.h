@@ -28,8 +28,7 @@ std::vector<std::string> trusted_plugin_folders();
 /// @param files  plugins loaded so far; the plugin's node types are added. A file in it is not
 ///   loaded again
 /// @throws Failure if the file is not a plugin, was built for another version of fluidcarve, uses
-///   names outside of its family, or
-///         throws; registry and files are then unchanged
+///   names outside of its family, or throws; registry and files are then unchanged
 void load_plugin(const std::string& file, Registry& registry, PluginFiles& files);
 
 /// Loads the plugins that a pipeline names, if they are trusted. A relative path starts at the

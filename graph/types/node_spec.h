@@ -44,11 +44,11 @@ struct OptionalNamed : Named<T> {  ///< empty if unconnected
 /// Outputs named by a parameter (Declare::outputs_from): name to payload.
 using NamedOutputs = std::map<std::string, Payload>;
 
-/// What is known of outputs from parameters alone, and must be known to those who take them before
-/// their frames are counted.
+/// A fact about outputs that follows from parameters alone. Nodes that take the outputs must know
+/// it before their frames are counted.
 struct Promise {
     std::any of;
-    std::string fault;  ///< why an input that does not learn of it can't take the output
+    std::string fault;  ///< why an input that does not know this promise can't take the output
 };
 
 /// An input of a node type.
@@ -64,11 +64,11 @@ struct InputSpec {
                        const std::vector<std::string>& names)>
         set;
     bool optional = false;  ///< may be unconnected
-    /// A gatherer takes from all frames together what it needs of it: that it differs from frame to
-    /// frame does not make outputs differ.
+    /// Whether a gatherer combines this input over all frames: differences from frame to frame do
+    /// not make its outputs differ.
     bool summed = false;
-    /// Gives the parameters with what an output promises that is taken here; empty: takes none that
-    /// promises anything.
+    /// Returns the parameters with the promise of a connected output added; empty: the input
+    /// refuses outputs with promises.
     std::function<std::shared_ptr<const void>(const void* params, const std::any& promised)> learn =
         {};
 };
@@ -136,12 +136,12 @@ struct NodeType {
     /// Type that `Behaviour::digest` returns; void: no digests.
     std::type_index digest = typeid(void);
     std::vector<std::string> digest_fields;  ///< inputs and parameters that the digest depends on
-    std::string concludes_from;  ///< the section of the report that `conclude` is handed; empty:
-                                 ///< there is no `conclude`
+    std::string concludes_from;  ///< the section of the report that `conclude` gets; empty: there
+                                 ///< is no `conclude`
     std::optional<Growth> growth;
     bool runs_code = false;  ///< its parameters name code, such as a script: pipelines with it need
                              ///< --allow-plugins
-    /// Outputs stand where inputs do: pictures that meet here have one size.
+    /// Outputs cover the same place as inputs: pictures that meet here have one size.
     bool in_place = false;
     /// A type that stands in for this one where an input is connected to a payload.
     struct Kind {
@@ -150,7 +150,7 @@ struct NodeType {
         std::string type;
     };
     std::vector<Kind> kinds;
-    /// Output to the input whose grids it has, by their names.
+    /// Output to the input that has grids of the same names.
     std::map<std::string, std::string, std::less<>> as_named;
 
     std::function<std::shared_ptr<void>()> make_params;
@@ -159,7 +159,7 @@ struct NodeType {
     std::function<bool(const void* params, const Context&)> wants;
     /// Whether results change per frame though no input or file does; empty: never.
     std::function<bool(const void* params)> animates;
-    /// The frames in which a gatherer delivers, by those that it takes; empty: the same.
+    /// The frames in which a gatherer delivers, given the frames that it takes; empty: the same.
     std::function<std::vector<int>(const void* params, const std::vector<int>& frames)> retimes;
     /// Empty: outputs promise nothing.
     std::function<std::optional<Promise>(const void* params)> promise;

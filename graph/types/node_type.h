@@ -182,7 +182,7 @@ public:
     }
 
     /// Raise the version whenever the same inputs give another result: cached results of another
-    /// version are not used. Those of the parts of a declaration add up.
+    /// version are not used. Version numbers of the parts of a declaration add up.
     Declare& version(int number) {
         type_.version += number;
         return *this;
@@ -201,15 +201,15 @@ public:
         type_.digest_fields = std::move(fields);
         return *this;
     }
-    /// Declares inputs of a gatherer that do not make outputs differ from frame to frame, since it
-    /// takes from all frames together what it needs of them (InputSpec::summed).
+    /// Declares inputs that a gatherer combines over all frames, so that they do not make its
+    /// outputs differ from frame to frame (InputSpec::summed).
     Declare& sums(std::initializer_list<std::string_view> inputs) {
         for (auto& input : type_.inputs)
             input.summed = input.summed || std::ranges::find(inputs, input.name) != inputs.end();
         return *this;
     }
     /// Declares what outputs promise from the parameters alone.
-    /// @param promised  of a Params; nothing: they promise nothing
+    /// @param promised  the promise of a Params; nothing: there is none
     /// @param fault     why inputs without learns() can't take them
     template <class Promised>
     Declare& promises(Promised promised, std::string fault) {
@@ -222,14 +222,14 @@ public:
         return *this;
     }
     /// Declares that an input takes outputs that promise something.
-    /// @param member  of Params, where it is written; no parameter of a pipeline
+    /// @param member  of Params, receives the promise; not a parameter of a pipeline
     template <class T, class P>
     requires std::derived_from<Params, P> Declare& learns(std::string_view input,
                                                           std::optional<T> P::*member) {
         std::ranges::find(type_.inputs, input, &InputSpec::name)->learn =
             [member](const void* params, const std::any& promised) {
                 const auto out = std::make_shared<Params>(*static_cast<const Params*>(params));
-                // Another promise than this input knows is none to it.
+                // Promises of an unknown type are ignored.
                 if (const auto* const known = std::any_cast<T>(&promised)) (*out).*member = *known;
                 return std::shared_ptr<const void>(out);
             };
@@ -246,14 +246,14 @@ public:
         type_.growth = std::move(growth);
         return *this;
     }
-    /// Declares that all inputs lie over each other and outputs over them. Runs with pictures of
-    /// different sizes are then refused.
+    /// Declares that all inputs and outputs cover the same place. Runs with pictures of different
+    /// sizes are then refused.
     Declare& in_place() {
         type_.in_place = true;
         return *this;
     }
-    /// Declares the type that stands in for this one where an input is connected to an output of
-    /// another payload, so that a pipeline needs one name for both.
+    /// Declares the type that replaces this one if an input is connected to an output of another
+    /// payload, so that a pipeline needs one name for both.
     template <class Payload>
     Declare& kind(std::string input, std::string type) {
         type_.kinds.push_back({std::move(input), typeid(Payload), std::move(type)});

@@ -11,24 +11,24 @@
 
 namespace fluidcarve {
 
-/// What a node tells of its outputs before they are there, by names that nodes agree on. What is
-/// not among them is not known.
+/// Facts about a node's outputs before a run, by names that nodes agree on. Missing facts are
+/// unknown.
 using OutputFacts = std::map<std::string, int, std::less<>>;
 
-/// Interface for a node's `foresee`, which looks at what is known of its inputs before a run
+/// Interface for a node's `foresee`, which reads what is known about its inputs before a run
 /// starts.
 class Outlook {
 public:
     virtual ~Outlook() = default;
-    /// Where an input lies; null: not known, or not connected.
+    /// The region of an input; null: unknown, or not connected.
     virtual const Region* region(std::string_view input) const = 0;
-    /// What is told of an input, connection by connection; empty: not connected.
+    /// The facts about an input, one entry per connection; empty: not connected.
     virtual const std::vector<OutputFacts>& told(std::string_view input) const = 0;
     /// Whether the node runs once for several frames.
     virtual bool once() const = 0;
-    virtual std::size_t frames() const = 0;  ///< number of those that its inputs have
+    virtual std::size_t frames() const = 0;  ///< number of frames of its inputs
 
-    /// Says where all outputs will lie; without a call they lie where all inputs lie together.
+    /// States the region of all outputs; without a call, it is the union of the inputs' regions.
     virtual void lies(const Region& region) = 0;
     virtual void tell(const OutputFacts& facts) = 0;
     virtual void warn(const std::string& message) = 0;

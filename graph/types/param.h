@@ -75,7 +75,7 @@ struct Shape {
 /// The shape in words.
 std::string to_text(const Shape& shape);
 
-/// The finite number that a text is, all of it; nothing else.
+/// The finite number that a whole text states; else nothing.
 std::optional<double> parse_number(std::string_view text);
 
 /// Collects the faults in one field's value.

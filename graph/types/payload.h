@@ -48,8 +48,8 @@ struct PayloadType {
     /// Reads what `write` wrote; throws Failure on anything else.
     std::function<Payload(std::istream&)> read;
 
-    /// A checksum of a value that runs deliver once; the files that are made with it state it
-    /// (Provenance). Empty: they do not.
+    /// A checksum of a value that is delivered once per run; files made with the value state it
+    /// (Provenance). Empty: no checksum.
     std::function<std::string(const Payload&)> checksum;
 };
 
@@ -91,12 +91,14 @@ struct Conversion {
     std::function<Payload(const Payload&)> convert;
 };
 
-/// A way to parts of a payload by name: an input of type `to` also takes `node.part`, if the node's
-/// first output is of type `from` and has no names of its own for parts (Declare::outputs_from).
+/// Access to parts of a payload by name: an input of type `to` also takes `node.part`, if the
+/// node's first output is of type `from` and the node has no outputs named by a parameter
+/// (Declare::outputs_from).
 struct Selection {
     std::type_index from = typeid(void);
     std::type_index to = typeid(void);
-    /// @throws Failure whose message goes on after the node's name: "has no grid 'x'; it has ..."
+    /// @throws Failure whose message continues after the node's name: "has no grid 'x'; it has
+    ///   ..."
     std::function<Payload(const Payload&, const std::string& part)> pick;
 };
 

@@ -33,12 +33,12 @@ public:
     /// Whether an input of type `to` takes a payload of type `from`, with or without a conversion.
     bool accepts(std::type_index to, std::type_index from) const;
     Payload convert(const Payload& payload, std::type_index to) const;
-    /// The way from payloads of a type to parts that an input of type `to` takes; null if there is
-    /// none.
+    /// The selection of parts of type `to` from payloads of type `from`; null if there is none.
     const Selection* selection(std::type_index from, std::type_index to) const;
     /// Names of all payload types that an input of the type takes: "volume, float or vector".
     std::string accepted_names(std::type_index to) const;
-    /// The same of an input of a node type, with what its kinds take (Declare::kind).
+    /// The same for an input of a node type, including payloads that select its kinds
+    /// (Declare::kind).
     std::string accepted_names(const NodeType& type, const InputSpec& input) const;
 
 private:

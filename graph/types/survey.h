@@ -19,10 +19,10 @@ struct Pick {
     std::string taker;                    ///< for messages: "'edges' takes carved.density"
 };
 
-/// What is known of a payload in a frame before it is read.
+/// Facts about a payload in a frame before it is read.
 struct Foreseen {
     std::optional<std::vector<std::string>> grids;  ///< names of its grids, in their order
-    /// Width and height of the picture that it is, or covers.
+    /// Width and height of the picture that the payload is, or covers; pixels.
     std::optional<std::array<int, 2>> pixels;
 };
 
@@ -39,17 +39,17 @@ public:
     virtual const std::vector<Pick>& picks() const = 0;
     /// The frame uses the file of another one.
     virtual void stands_in(int frame, int file) = 0;
-    /// The frame will take so many bytes of memory, estimated from its file.
+    /// States how many bytes of memory the frame will take, estimated from its file.
     virtual void expect(int frame, std::uint64_t bytes) = 0;
     /// Removes the frame for all nodes. Its neighbours become adjacent in time.
     virtual void leave_out(int frame) = 0;
     /// The file, or a grid in it, is missing or unreadable.
     virtual void missing(int frame, const std::string& message) = 0;
-    /// What the reader's output will be.
+    /// States facts about a reader's output.
     virtual void delivers(int frame, std::string_view output, Foreseen what) = 0;
-    /// What an input will be; null: not known.
+    /// Facts about an input; null: unknown.
     virtual const Foreseen* receives(int frame, std::string_view input) const = 0;
-    /// Where an output lies, if headers or small files tell.
+    /// States the region of an output, if headers or small files tell it.
     virtual void lies(std::string_view /*output*/, const Region&) {}
     virtual void warn(const std::string& message) = 0;
 };

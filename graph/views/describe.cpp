@@ -96,7 +96,7 @@ std::string more_outputs_text(const NodeType& type) {
                        type.outputs_param);
 }
 
-/// What of a node is cached by default, in words; empty: nothing.
+/// The parts of a node that are cached by default, in words; empty: none.
 std::string kept_text(const NodeType& type) {
     const bool digests = type.digest != typeid(void);
     if (type.kept)

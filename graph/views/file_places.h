@@ -7,7 +7,7 @@
 
 namespace fluidcarve {
 
-/// Where the files lie that a parameter names.
+/// The place of the files that a parameter names.
 struct FilePlace {
     std::string node, field;
     std::string path;      ///< absolute, with its frame token
@@ -18,7 +18,7 @@ struct FilePlace {
 };
 using FilePlaces = std::vector<FilePlace>;
 
-/// The files of all parameters that name some, node by node. Only asks whether files are there.
+/// The files of all parameters that name some, node by node. Only checks whether files exist.
 FilePlaces file_places(const Pipeline& pipeline);
 
 /// One line each, below `files:`: `sim.path is read at /shots/sim.####.vdb`.

@@ -16,19 +16,19 @@ namespace {
 
 constexpr auto ascii = Letters::ascii;
 constexpr std::size_t most_bytes =
-    60'000;  ///< of a text; an entry then fits into a segment of a JPEG file
+    60'000;  ///< largest size of a text: an entry then fits into a segment of a JPEG file
 
 std::string unless_long(const std::string& text) {
     return text.size() <= most_bytes ? text
                                      : fmt::format("{} bytes, too long to be stated", text.size());
 }
 
-/// A path as files may state it: an absolute one would tell of the machine.
+/// A path as files may state it: an absolute path would reveal the machine.
 std::string portable(const std::string& path) {
     return path.starts_with('/') ? std::filesystem::path(path).filename().string() : path;
 }
 
-/// Finds what a value owes to the command line and to the environment.
+/// Finds how a value depends on the command line and the environment.
 class Outside {
 public:
     explicit Outside(const Document& document) : document_(document) {
@@ -88,7 +88,7 @@ private:
     std::map<Place, std::set<std::string>> inserted_;
 };
 
-/// States one writer after the other.
+/// Sets the provenance of one writer after the other.
 class Stater {
 public:
     Stater(Pipeline& pipeline, const Document& document, const Registry& registry)
@@ -116,8 +116,7 @@ public:
     }
 
 private:
-    /// The values of all nodes upstream that are not those of the declarations, as a pipeline's
-    /// text.
+    /// The non-default values of all nodes upstream, as a pipeline's text.
     std::string values_text() {
         std::string nodes;
         note("frames", document_.frames);
@@ -152,7 +151,7 @@ private:
                                                        : yaml_text(field.value, ascii);
     }
 
-    /// Notes what the command must set so that a value is the same again.
+    /// Records the settings that the command needs to give a value again.
     void note(const std::string& target, const Value& value) {
         if (outside_.changed(value)) settings_.push_back(target + "=" + text_of(value));
         else outside_.add_params(value, params_);
@@ -196,7 +195,7 @@ private:
     const Registry& registry_;
     const Outside outside_;
     std::map<std::string, std::size_t> index_;
-    // Of the writer at hand:
+    // For the present writer:
     std::vector<bool> upstream_;
     std::vector<std::string> settings_;  ///< what the command sets, except params
     std::set<std::string> params_;       ///< that its values hold

@@ -161,8 +161,8 @@ Json required_of(const NodeType& type) {
     return out;
 }
 
-/// The same for a file with `extends`: each field may also be null, and so may those that the node
-/// has there as another type.
+/// The same for a file with `extends`: each field may also be null, and so may fields of another
+/// type that the node has in the extended file.
 Json fields_to_change(const NodeType& type) {
     Json properties{{"type", Json::object()}};
     for (const auto& name : plain_fields())
@@ -178,7 +178,7 @@ Json if_type(const std::string& name, Json then) {
             {"then", std::move(then)}};
 }
 
-/// @param whole  true: a complete node; false: a node that may change one of an extended file
+/// @param whole  true: a complete node; false: a node that may change a node of an extended file
 Json node_of(const Registry& registry, bool whole) {
     Json out{{"type", whole ? Json("object") : Json::array({"object", "null"})}};
     if (whole) out["required"] = {"type"};

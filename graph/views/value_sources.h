@@ -26,7 +26,7 @@ struct ValueSources {
     /// Node name to fields, in the order of the file: type, connected inputs, all parameters, other
     /// stated fields.
     std::vector<std::pair<std::string, Fields>> nodes;
-    FilePlaces files;  ///< where the files lie, for who wants to tell that, too
+    FilePlaces files;  ///< places of the files; optional
 };
 
 /// Finds the sources of all values. @param document  must have no problems

@@ -20,7 +20,7 @@ Expression expression_of(const AxParams& params, std::vector<std::string> inputs
 
 constexpr double usual_rate = 24;
 
-/// Frames per second. Nothing if the params state another thing than a number above 0.
+/// Frames per second. Nothing if the params state anything else than a number above 0.
 std::optional<double> rate_of(const AxParams& params) {
     const auto found = params.params.find(rate_constant);
     if (found == params.params.end()) return usual_rate;

@@ -19,8 +19,7 @@ namespace fluidcarve {
 /// @param place   converts a place in the program to text, for messages
 /// @return a grid called `output`, background 0, with the transform of the first input
 /// @throws Failure naming an input of another type than the program reads, two inputs with
-///   different transforms, or a voxel
-///         whose result is below `least` or not finite
+///   different transforms, or a voxel whose result is below `least` or not finite
 FloatGrid::Ptr evaluated(const ExpressionModule& module, const CompiledExpression& program,
                          const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
                          const std::string& output, float least, std::uint64_t budget,

@@ -33,7 +33,7 @@ struct ExpressionFault {
     int line = 0;       ///< line of the code, from 1; 0: the field as a whole
     int column = 0;     ///< from 1, in bytes
     std::string message;
-    bool warning = false;  ///< the program can run all the same
+    bool warning = false;  ///< the program can still run
 };
 
 /// A program ready to run, from many threads at once.
@@ -70,7 +70,7 @@ struct ExpressionModule {
     /// voxel's position: tiles then become voxels where values differ.
     /// @param inputs  float and vector grids with the transform of `out`, each of the type that the
     ///   program reads
-    /// @param out     called as the program's output
+    /// @param out     named like the program's output
     void (*run)(const CompiledExpression& program, const std::vector<NamedGrid>& inputs,
                 FloatGrid& out);
 };

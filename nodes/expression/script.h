@@ -14,8 +14,8 @@ struct Script {
 
     /// Converts a place in the program to a place in the file, for all YAML styles (plain, quoted,
     /// `|`, `>`). The result is exact unless `${name}` or an escaped character comes before it;
-    /// then it is the last place before that. For a space it is the place after the character
-    /// before.
+    /// then it is the last exact place before that. For a space it is the place after the
+    /// preceding character.
     /// @param line, column  in the program, from 1, in bytes; line 0: the program as a whole
     Mark place(int line, int column) const;
 };

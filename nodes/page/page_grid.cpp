@@ -34,8 +34,8 @@ auto each_voxel(const PageGrid& page, const Make& make) {
     return out;
 }
 
-/// Means of a grid over the cubes of a page, from its leaves and tiles: what costs is what is
-/// there, not how far it reaches.
+/// Means of a grid over the cubes of a page, from its leaves and tiles: time grows with the
+/// content, not with its extent.
 template <class GridT>
 class CubeMeans {
 public:
@@ -104,7 +104,7 @@ private:
         parts_.push_back(part);
     }
 
-    /// Adds what a part has in a plane of page voxels.
+    /// Adds the values of a part in a plane of page voxels.
     void add(const Part& part, int plane, std::vector<Sum>& sums) const {
         const auto [first_x, last_x] = cells_of(part.box, 0);
         const auto [first_y, last_y] = cells_of(part.box, 1);
@@ -130,7 +130,7 @@ private:
     const PageGrid& page_;
     float background_;
     std::vector<Part> parts_;
-    /// Of each plane of page voxels, the parts in it.
+    /// For each plane of page voxels, the parts in it.
     std::vector<std::vector<std::size_t>> planes_;
 };
 

@@ -34,7 +34,7 @@ std::string in_megabytes(std::size_t bytes) {
     return fmt::format("{:.1f} MB", static_cast<double>(bytes) / (1 << 20));
 }
 
-/// Visits what is packed() in a scene.
+/// Visits all packed() texts of a scene.
 template <class Visit>
 void each_packed(Json& scene, const Visit& visit) {
     for (auto& frame : scene.at("frames")) visit(frame.at("voxels"));
@@ -42,7 +42,7 @@ void each_packed(Json& scene, const Visit& visit) {
     for (auto& seams : scene.at("seams")) visit(seams);
 }
 
-/// The same scene with fewer frames, and without what only the others need.
+/// The same scene with fewer frames, and without data that only the other frames need.
 Json with_frames(const Json& scene, int count) {
     auto out = scene;
     auto frames = Json::array();

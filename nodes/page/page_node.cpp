@@ -52,7 +52,7 @@ struct PreviewPage {
             check.fault("path", "'path' must end in .html; a page is an HTML file");
     }
 
-    /// Finds a grid that is not there before the run starts.
+    /// Reports a missing grid before the run starts.
     static void survey(const Params& params, Survey& survey) {
         if (!params.grid) return;
         const auto total = survey.frames().size();
@@ -144,7 +144,7 @@ private:
                 params.count
                     ? static_cast<std::size_t>(std::abs(params.count->of(seams.back()->carved())))
                     : seams.back()->seams.size();
-        // The page squeezes what the remaps fade.
+        // The page squeezes joins that the remaps fade.
         if (const auto& seams = frames_.front().seams; !seams.empty()) {
             out.softness = softness_of(params, *seams.back());
             out.softness.fade = 0;

@@ -33,8 +33,8 @@ int farthest_move(const std::vector<std::shared_ptr<const Seams>>& sets) {
     return static_cast<int>(out);
 }
 
-/// The index box that a page shows: the active voxels of all frames, and where the carve may move
-/// them.
+/// The index box that a page shows: the active voxels of all frames, and the places to which the
+/// carve may move them.
 CoordBBox shown_box(const std::vector<PageFrame>& frames) {
     CoordBBox out;
     for (const auto& frame : frames) {
@@ -56,8 +56,8 @@ CoordBBox shown_box(const std::vector<PageFrame>& frames) {
     return out.empty() ? CoordBBox(openvdb::Coord(0), openvdb::Coord(0)) : out;
 }
 
-/// Planes that the carves of any number of seams reach beyond a lattice: before its first, and
-/// behind its last.
+/// Number of planes by which carves of any number of seams reach beyond a lattice: before its
+/// first plane, and behind its last.
 std::array<int, 2> planes_beyond(const Lattice& lattice,
                                  const std::vector<std::shared_ptr<const Seams>>& sets) {
     int origin = 0, first = 0, last = lattice.shape[2] - 1;
@@ -152,7 +152,7 @@ Json set_json(const Seams& set) {
 /// once.
 class Shared {
 public:
-    /// @param make  the thing, if it is new
+    /// @param make  makes the thing, if it is new
     template <class Make>
     std::size_t number(const std::string& key, const Make& make) {
         const auto [place, fresh] = numbers_.emplace(key, all_.size());
@@ -213,7 +213,7 @@ Json page_scene(const PageWish& wish, const std::vector<PageFrame>& frames) {
     }
     if (seen.low == seen.high) seen.high += 1;
     if (energy.high == 0) energy.high = 1;
-    // The inside of a level set is below 0: it is shown as what there is most of.
+    // The inside of a level set is below 0: it is shown as the highest value.
     const bool level_set = first.before->getGridClass() == openvdb::GRID_LEVEL_SET;
     const auto [from, to] =
         level_set ? std::pair(seen.high, seen.low) : std::pair(seen.low, seen.high);

@@ -15,7 +15,7 @@
 
 namespace fluidcarve {
 
-/// What a page shows in all frames.
+/// Content of a page that is the same in all frames.
 struct PageWish {
     std::string title;
     std::string grid;       ///< name of the grid shown

@@ -18,7 +18,7 @@ extern const char* const part_of_warp;
 /// Why inputs can't take seams of frames.
 extern const char* const only_remapped;
 
-/// The number of seams that a parameter `count` asks for of the last set; nothing: all.
+/// The number of seams of the last set that a parameter `count` selects; nothing: all.
 /// @throws Failure if it removes and the seams insert, or asks for a part of a warp
 std::optional<std::size_t> seams_of(const Auto<Count>& asked, const Seams& last);
 

@@ -30,7 +30,7 @@ void check_anchor(const Anchor& anchor, NodeCheck& check) {
 
 namespace {
 
-/// What makes no sense for seams of frames.
+/// Reports parameters that make no sense for seams of frames.
 void check_in_time(const SolverParams& params, NodeCheck& check) {
     for (const auto& [stated, name, why] :
          {std::tuple(params.static_, "static", "each place loses or gains other frames"),

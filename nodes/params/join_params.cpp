@@ -7,7 +7,7 @@ void check_join(const JoinParams& params, NodeCheck& check) {
         check.fault(
             "fade",
             "nothing is blended unless `join` is fade; set `join: fade`, or leave `fade` out");
-    // `soft: 0` is a cut by another name.
+    // `soft: 0` is the same as a cut.
     const bool soft_cut = params.join == Join::cut && params.soft == 0.0;
     if (params.join && *params.join != Join::squeeze && check.stated("soft") && !soft_cut)
         check.fault("soft",

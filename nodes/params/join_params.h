@@ -5,7 +5,7 @@
 
 namespace fluidcarve {
 
-/// Finds join parameters that do not go together.
+/// Finds join parameters that contradict each other.
 void check_join(const JoinParams& params, NodeCheck& check);
 
 /// Declares the join parameters of a node.

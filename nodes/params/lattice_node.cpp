@@ -48,7 +48,7 @@ void LatticeNode::conclude_build(const LatticeSpec& spec, OnFold on_fold, Contex
     count_overlaps(context);
     report(context);
     tell_smoothing(spec, context);
-    // Voxels beside folded cells lie in several cells, too: that needs no second message.
+    // Voxels beside folded cells also lie in several cells: that needs no second message.
     if (!tell_folds(spec, on_fold, context)) tell_overlap(spec, on_fold, context);
 }
 

@@ -25,8 +25,8 @@ struct ChoiceNames<Smooth> {
                                          std::pair{"none", Smooth::none}};
 };
 
-/// What nodes that build lattices along a rig share: they gather the rigs of all frames, give all
-/// lattices the same shape, and tell of folds and overlaps.
+/// The base of nodes that build lattices along a rig: they gather the rigs of all frames, give all
+/// lattices the same shape, and report folds and overlaps.
 class LatticeNode {
 public:
     struct Params {
@@ -47,11 +47,10 @@ protected:
     /// Takes the rig of a frame.
     void gather(const Ports& io, Context& context);
     /// Extends open rigs straight beyond ends where their content goes on.
-    /// @param before, after  how far it goes on, world units; 0: it does not
-    /// @param aside          by how much further, so that what stands beside its end is held, too
+    /// @param before, after  length by which content continues there, world units; 0: it does not
+    /// @param aside          added length, so that content beside an end is covered, too
     void extend(double before, double after, double aside);
-    /// Builds the lattices of all rigs, equal in shape, reports them, and tells what is wrong with
-    /// them.
+    /// Builds the lattices of all rigs, equal in shape, reports them, and warns of their faults.
     void conclude_build(const LatticeSpec& spec, OnFold on_fold, Context& context);
 
 private:

@@ -18,7 +18,7 @@ namespace fluidcarve {
 
 namespace {
 
-/// What is wrong with a point of a curve, or nothing.
+/// The fault of a point of a curve, if any.
 /// @param before  the point before it; null: it is the first
 std::optional<std::string> fault_of(const std::vector<double>& point,
                                     const std::vector<double>* before) {

@@ -5,22 +5,22 @@
 
 namespace fluidcarve {
 
-constexpr double farthest_frame = 1e9;  ///< numbers of frames must stay whole numbers
+constexpr double farthest_frame = 1e9;  ///< frame numbers must fit an int
 
-/// The parameters of a node that gives a sequence another pace.
+/// The parameters of a node that retimes a sequence.
 struct PaceParams : PaceWish {
     InputPath curve_file;  ///< a CSV file with the curve; empty: none
 };
 
-/// Finds parameters of a pace that do not go together.
+/// Finds parameters of a pace that contradict each other.
 void check_pace(const PaceParams& params, NodeCheck& check);
 
-/// The pace that parameters state of a sequence.
+/// The pace that parameters give a sequence.
 /// @param frames  numbers of the source's frames
 /// @throws Failure as Pace, or naming file and line of a curve that can't be read
 Pace pace_of(const PaceParams& params, const std::vector<int>& frames);
 
-/// Declares the parameters of a node that gives a sequence another pace.
+/// Declares the parameters of a node that retimes a sequence.
 template <class Node>
 Declare<Node>& declare_pace(Declare<Node>& node) {
     return node

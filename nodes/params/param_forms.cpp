@@ -94,7 +94,7 @@ std::optional<WarpAmount> parse_curve(const Value& value, ValueReader& reader) {
     return out;
 }
 
-/// `[low, high]`, or a list of percentages, which are no numbers in YAML.
+/// `[low, high]`, or a list of percentages, which are not numbers in YAML.
 Shape pair_or_shares() {
     return {
         Shape::Kind::any_of,
@@ -112,7 +112,7 @@ struct Pair {
     bool shares = false;
 };
 
-/// Two numbers, or two percentages. @param form  what is wanted, for messages
+/// Two numbers, or two percentages. @param form  the wanted form, for messages
 std::optional<Pair> parse_pair(const Value& value, ValueReader& reader, const std::string& form) {
     if (value.kind != Value::Kind::list || value.items.size() != 2)
         return reader.unwanted(value, form), std::nullopt;
@@ -214,7 +214,7 @@ std::optional<PairRanges> ParamTraits<PairRanges>::parse(const Value& value, Val
 std::string ParamTraits<PairRanges>::text(const PairRanges& ranges) { return text_of(ranges); }
 
 Shape ParamTraits<WarpAmount>::shape() {
-    // A percentage is no number in YAML.
+    // A percentage is not a number in YAML.
     const Shape length{
         Shape::Kind::any_of, {}, {{Shape::Kind::number, {}, {}}, {Shape::Kind::text, {}, {}}}};
     const Shape point{Shape::Kind::list, {}, {length}},

@@ -37,7 +37,7 @@ struct ParamTraits<VertexRange> {
     static std::string text(const VertexRange& range);
 };
 
-/// A range, or two, of which the first lies below what they pair: `[[0%, 20%], [80%, 100%]]`.
+/// A range, or two, of which the first lies below the main window: `[[0%, 20%], [80%, 100%]]`.
 template <>
 struct ParamTraits<PairRanges> {
     static Shape shape();

@@ -26,7 +26,6 @@ struct Named {
     VertexRange stated;
 };
 
-/// All of them, but for windows that are left out.
 std::vector<Named> stated_windows(const WarpParams& params) {
     std::vector<Named> out;
     if (params.window) out.push_back({"window", *params.window});
@@ -36,7 +35,8 @@ std::vector<Named> stated_windows(const WarpParams& params) {
     return out;
 }
 
-/// What is wrong with the places of a window and its pair. @param in  makes vertices of a range
+/// The fault of the places of a window and its pair, if any. @param in  converts a range to
+/// vertices
 template <class In>
 std::optional<std::string> places_fault(const WarpParams& params, const In& in) {
     if (!params.window || !params.pair_window) return std::nullopt;
@@ -49,7 +49,7 @@ std::optional<std::string> places_fault(const WarpParams& params, const In& in) 
                            : std::nullopt;
 }
 
-/// Requires that a window can be squeezed by so many vertices.
+/// Requires that a window can be squeezed by `squeezed` vertices.
 /// @param name  of the window's parameter
 void require_squeezable(const std::string& name, const Window& window, double squeezed,
                         const std::string& where) {

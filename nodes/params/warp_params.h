@@ -29,19 +29,19 @@ struct WarpParams {
     Auto<int> factor;
 };
 
-/// Finds parameters that do not go together.
+/// Finds parameters that contradict each other.
 void check_params(const WarpParams& params, NodeCheck& check);
 
 /// The amount that is stated, or that of the file; with `rest` as if nothing were carved before.
 /// @throws Failure (input) as read_amounts(), or if a static warp is to change over time
 WarpAmount amount_of(const WarpParams& params);
 
-/// Requires that what is asked for fits into a lattice. Masks may leave less room than that.
+/// Requires that the parameters fit a lattice. Masks may leave less room.
 /// @param amount  amount_of(params)
 /// @param shape   I, J, K of the space that is carved
 /// @param frames  frame numbers
-/// @param space   what its vertices are vertices of, for messages: empty, or " once the seams of
-///   `after` are carved"
+/// @param space   addition to "vertices" in messages: empty, or " once the seams of `after` are
+///   carved"
 /// @throws Failure if a window, the anchor or the amount leaves the lattice, or if a ring's amounts
 ///   do not meet
 void require_fits(const WarpParams& params, const WarpAmount& amount,

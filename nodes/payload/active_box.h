@@ -15,7 +15,7 @@ struct ActiveBox {
     openvdb::CoordBBox voxels;  ///< index coordinates; empty if no voxel is active
 };
 
-/// The voxels of a transform in which those of a grid lie.
+/// Converts the active voxels of a grid to the voxels of another transform that hold them.
 /// @throws Failure naming the grid and the frame, if they lie too far away
 openvdb::CoordBBox voxels_among(const openvdb::math::Transform& first,
                                 const openvdb::CoordBBox& voxels,

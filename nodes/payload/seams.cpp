@@ -45,7 +45,7 @@ void write_warp(const Warp& warp, BinaryWriter& out) {
     for (std::size_t t = 0; t < warp.frames(); ++t) out.list(warp.values(t));
 }
 
-/// @param seams  says the shape, the frames and whether the lattice is closed
+/// @param seams  give the shape, the frames and whether the lattice is closed
 Warp read_warp(BinaryReader& in, const Seams& seams) {
     const int factor = in.value<int>();
     in.require((factor == 1 || factor == 2 || factor == 4) && seams.carved() >= 1);

@@ -158,8 +158,7 @@ void Canvas::lines(const Rect& within, const std::vector<Line>& lines, double wi
     cairo_set_dash(context, nullptr, 0, 0);
     cairo_set_line_width(context, width);
     cairo_set_line_cap(context, CAIRO_LINE_CAP_ROUND);
-    // Cairo counts with 24 bits before the point: lines that end far beyond the page would come
-    // back into it.
+    // Cairo has 24 bits before the point: lines that end far beyond the page would wrap into it.
     const Rect around{within.x - width, within.y - width, within.width + 2 * width,
                       within.height + 2 * width};
     for (const auto& each : lines) {

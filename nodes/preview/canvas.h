@@ -77,7 +77,7 @@ public:
     }
 
     /// The file appears whole or not at all.
-    /// @param provenance  what it states of how it was made
+    /// @param provenance  the provenance that the file states
     /// @throws Failure if it can't be written
     void write_png(const std::string& path, const Provenance& provenance = {}) const;
 

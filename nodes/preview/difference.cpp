@@ -26,8 +26,7 @@ private:
     float tile_ = 0;
 };
 
-/// The voxels at a place that have one value because a tree holds it once: the side of the cube
-/// around it, aligned to that size.
+/// Edge of the aligned cube around a place that the tree stores as one value.
 template <class Grid>
 int alike(const typename Grid::ConstAccessor& values, const openvdb::Coord& at) {
     constexpr std::array sides{4096, 128, 8,

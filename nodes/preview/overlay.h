@@ -18,7 +18,7 @@ std::vector<PictureLine> lattice_lines(const Lattice& lattice,
 std::vector<PictureLine> rig_lines(const Rig& rig, const openvdb::math::Transform& space,
                                    View view);
 
-/// A direction as it is seen in a picture, of length 1; 0 if the transform has none.
+/// A direction as seen in a picture, of length 1; 0 if the transform has none.
 struct SeenDirection {
     double right = 0;
     double up = 0;

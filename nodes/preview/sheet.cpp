@@ -175,7 +175,7 @@ struct Sheet {
                         "'show: both'");
     }
 
-    /// Finds a grid that is not there before the run starts.
+    /// Reports a missing grid before the run starts.
     static void survey(const Params& params, Survey& survey) {
         const auto total = survey.frames().size();
         const auto has = [&](const char* input) {
@@ -184,7 +184,7 @@ struct Sheet {
                 [&](std::size_t place) { return is_shown(place, total, params.frames); },
                 [&](const auto& there) { require_grid(input, params.grid, there); });
         };
-        // What `before` lacks, `after` mostly lacks too.
+        // A grid missing in `before` is mostly missing in `after`, too.
         if (has("before")) has("after");
     }
 

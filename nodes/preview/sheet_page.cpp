@@ -159,7 +159,7 @@ private:
             canvas_.outline(layout_.place(picture, panel.active), active_line, false);
         const double width = std::clamp(std::floor(layout_.zoom()) / 2 - 0.5, 1.0, 2.0);
         canvas_.lines(whole, on_page(panel.lattice, picture), width, lattice_colour);
-        // A dark outline separates what is drawn from bright energy and smoke.
+        // A dark outline separates drawn lines from bright energy and smoke.
         for (const auto& [drawn, colour] :
              {std::pair(&panel.rig, rig_colour), std::pair(&panel.seams, seam_colour)}) {
             const auto lines = on_page(*drawn, picture);

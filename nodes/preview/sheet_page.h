@@ -62,8 +62,8 @@ constexpr Colour rig_colour{168, 240, 64};
 constexpr std::array<Colour, 3> axis_colours{{{226, 84, 76}, {112, 196, 88}, {92, 148, 246}}};
 
 /// Draws a sheet, 560 to 2000 pixels wide, with one column per frame. All panels show the same
-/// area, so that pictures can be compared: all that is shown, and the lattice and the rig, but of
-/// these no more than the size of the rest on each side. Beside each group of rows with the same
+/// area, so that pictures can be compared: the content, and the lattice and the rig, but of these
+/// no more than the size of the content on each side. Beside each group of rows with the same
 /// scale is its colour bar with numbers.
 Canvas draw_sheet(const SheetPage& page);
 

@@ -11,7 +11,7 @@
 
 namespace fluidcarve {
 
-/// What a sheet shows.
+/// The wanted content of a sheet.
 struct SheetWish {
     enum class Show { maximum, slice, render };
     std::string grid;
@@ -24,7 +24,7 @@ struct SheetWish {
     std::optional<int> slice;  ///< index coordinate along the view; nothing: the middle of `before`
                                ///< in all frames shown
     bool difference = true;
-    /// Memory of what tiles become as voxels, bytes (grid_fits)
+    /// Memory for tiles that become voxels, bytes (grid_fits)
     std::uint64_t budget = ~std::uint64_t{0};
 };
 

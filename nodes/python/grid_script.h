@@ -44,10 +44,10 @@ public:
 
 private:
     std::unique_ptr<Worker> worker_;  ///< whose script sees all frames
-    std::string found_;               ///< what `finish` returned, as the worker wrote it
+    std::string found_;               ///< result of `finish`, as the worker wrote it
 };
 
-/// Adds the parameters of such a node to a declaration.
+/// Adds the parameters of a GridScript node to a declaration.
 template <class Declaration>
 Declaration& declare_grid_script(Declaration& node) {
     return declare_python(node).param(

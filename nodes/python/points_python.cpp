@@ -36,7 +36,8 @@ PointTable columns_of(const Points& points, const Context& context) {
     return out;
 }
 
-/// Writes the columns of points into the worker's memory. @return what the request says of them
+/// Writes the columns of points into the worker's memory. @return their description for the
+/// request
 Json write_columns(const PointTable& points, const Placement& placement, std::byte* data,
                    std::uint64_t& at) {
     Json columns = Json::array();
@@ -54,7 +55,7 @@ Json write_columns(const PointTable& points, const Placement& placement, std::by
             {"translate", {move[0], move[1], move[2]}}};
 }
 
-/// The columns that the worker has left. @param like  says how the source's file calls types
+/// The columns that the worker returned. @param like  has the type names of the source's file
 PointTable read_columns(Worker& worker, const Json& answer, const PointTable& like) {
     PointTable out{like.encoding,
                    like.comments,

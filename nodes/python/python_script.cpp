@@ -29,13 +29,13 @@ std::string path_of_script(const PythonParams& params) {
     return std::filesystem::absolute(params.script.at(0)).lexically_normal().string();
 }
 
-/// What a script depends on, by interpreter and path: as its first worker told.
+/// Facts about a script, by interpreter and path, as its first worker reported.
 struct Known {
     std::mutex mutex;
     struct Facts {
         Further further;
         bool gathers = false;
-        std::vector<std::string> takes;  ///< of what is offered
+        std::vector<std::string> takes;  ///< offered arguments that the function takes
     };
     std::map<std::pair<std::string, std::string>, Facts> scripts;
 
@@ -68,7 +68,7 @@ WorkerHost host_of(Context& context) {
 void check_script(const PythonParams& params, const std::string& function,
                   const std::vector<std::string>& inputs, NodeCheck& check,
                   const std::vector<std::string>& offered) {
-    // Of a path that leads out, the check of the whole pipeline tells.
+    // The check of the whole pipeline reports paths outside of --confine.
     if (!Confinement::of_program().refusal(params.script.at(0)).empty()) return;
     if (params.script.per_frame())
         return check.fault("script", "parameter 'script' must be one file for all frames");
@@ -77,7 +77,7 @@ void check_script(const PythonParams& params, const std::string& function,
         return check.fault("script", fmt::format("parameter 'script': there is no file {}", path));
     auto given = Json::array();
     for (const auto& [name, value] : params.params) given.push_back(name);
-    // What the run allows is not known here; its default is.
+    // The run's limit is not known here; its default is used.
     const WorkerLimits limits{params.timeout, half_of_memory()};
     const Workers::Kind kind{interpreter_of(params), path};
     const auto look = [&](Worker& worker) {

@@ -24,9 +24,8 @@ struct PythonParams {
     float timeout = 600;
 };
 
-/// Imports the script in a worker and reports what is wrong with it, and with its function's
-/// arguments.
-/// @param function  that the node calls; its arguments are the node's inputs, `params` and `at`
+/// Imports the script in a worker and reports its faults, and those of its function's arguments.
+/// @param function  called by the node; its arguments are the node's inputs, `params` and `at`
 /// @param inputs    names of the arguments that are inputs
 /// @param offered   names of those that it may leave out
 void check_script(const PythonParams& params, const std::string& function,
@@ -37,7 +36,7 @@ void check_script(const PythonParams& params, const std::string& function,
 /// be imported: nothing.
 Further script_depends(const PythonParams& params);
 
-/// Whether the script has a function `add`, which is to see all frames, as its check found.
+/// Whether the script has a function `add`, which sees all frames, as its check found.
 bool script_gathers(const PythonParams& params);
 /// Whether the function takes an argument that was offered, as its check found.
 bool script_takes(const PythonParams& params, const std::string& offered);
@@ -46,18 +45,19 @@ bool script_takes(const PythonParams& params, const std::string& offered);
 std::unique_ptr<Worker> new_worker(const PythonParams& params, Context& context);
 
 /// Calls a function of the script.
-/// @param give  writes inputs into the worker's memory, and returns what the request says of them
+/// @param give  writes inputs into the worker's memory, and returns their description for the
+///   request
 /// @param take  reads the answer
 /// @throws Failure that names the place in the script @throws Cancelled
 void call_script(const PythonParams& params, const std::string& function, Context& context,
                  const std::function<nlohmann::json(Worker&)>& give,
                  const std::function<void(Worker&, const nlohmann::json& answer)>& take);
-/// The same in a certain worker.
+/// The same in a given worker.
 void call_script(Worker& worker, const PythonParams& params, const std::string& function,
                  Context& context, const std::function<nlohmann::json(Worker&)>& give,
                  const std::function<void(Worker&, const nlohmann::json& answer)>& take);
 
-/// Adds what `finish` of the script found to a request, unless the worker has it.
+/// Adds the result of the script's `finish` to a request, unless the worker has it.
 /// @param found  empty: nothing
 nlohmann::json with_found(Worker& worker, const std::string& found, nlohmann::json request);
 

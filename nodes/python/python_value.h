@@ -15,7 +15,7 @@ struct PythonValue {
     bool list = false;
     std::vector<std::string> items;  ///< as written; one, if it is no list
 
-    /// What the script gets: texts that look like a number, true or false are these.
+    /// The value that the script gets: texts that look like a number, true or false become these.
     nlohmann::json json() const;
 };
 

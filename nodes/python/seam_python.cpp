@@ -20,8 +20,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Writes what each entry in a window costs: [t, k, lateral, entry].
-/// @return behind the last of them
+/// Writes the cost of each entry in a window: [t, k, lateral, entry].
+/// @return the position behind the last cost
 template <class Cell>
 float* write_costs(const EnergyVolume& energy, Window window, float* to) {
     const auto costs = energy.costs();
@@ -47,8 +47,8 @@ std::string place_text(const Columns& columns, std::size_t column) {
     return fmt::format("[{}, {}, {}]", at.t, at.k, at.lateral);
 }
 
-/// What is wrong with a seam: an entry beside the window or protected, or neighbours that differ by
-/// more than 1. Empty: nothing.
+/// The fault of a seam: an entry beside the window or protected, or neighbours that differ by more
+/// than 1. Empty: none.
 std::string fault_of_seam(const std::vector<std::uint16_t>& at, const float* costs, Window window,
                           const Columns& columns) {
     const auto width = static_cast<std::size_t>(window.size());
@@ -70,7 +70,7 @@ Seams::Seam seam_of_script(const PythonParams& params, const EnergyVolume& energ
                            Context& context) {
     const Columns columns(energy);
     const auto width = static_cast<std::size_t>(window.size()), entries = columns.count() * width;
-    // A slab is at its first vertex; behind the last of them are those that it holds.
+    // An entry is the first vertex of a slab; the slab's other vertices lie behind it.
     const auto& seen = energy.seen();
     const Window vertices{window.first, window.last + seen.width() - energy.width()};
     const auto in_field = script_takes(params, "field") && seen.has_field()
@@ -128,7 +128,7 @@ struct SeamPython : SeamNode {
 
     static void check(const Params& params, NodeCheck& check) {
         SeamNode::check(params, check);
-        // What is the same in all frames is found in their sum, which has no field.
+        // Static seams are found in the sum of all frames, which has no field.
         const bool has_field = check.stated("field") && !params.static_ && !params.pair_static &&
                                params.cost.value_or(Cost::forward) == Cost::forward;
         check_script(params, "seam", {"energy"}, check,

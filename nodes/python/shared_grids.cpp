@@ -29,7 +29,7 @@ constexpr std::uint64_t leaf_voxels = MaskLeaf::SIZE, leaf_states = leaf_voxels 
 constexpr std::uint64_t alignment = 64;
 constexpr int block_edge = 64;  ///< voxels along a part with a halo
 
-/// A place for so many bytes behind those before.
+/// Reserves `bytes` bytes behind the earlier ones.
 std::uint64_t reserved(std::uint64_t& at, std::uint64_t bytes) {
     const auto out = at;
     at += (bytes + alignment - 1) / alignment * alignment;
@@ -51,7 +51,7 @@ openvdb::GridBase::ConstPtr shareable(const std::string& name,
     return grid;
 }
 
-/// Calls `with` with a grid as what it is.
+/// Calls `with` with a grid in its own type.
 template <class With>
 auto as_its_type(const openvdb::GridBase& grid, const With& with) {
     if (grid.isType<FloatGrid>()) return with(static_cast<const FloatGrid&>(grid));
@@ -61,7 +61,7 @@ auto as_its_type(const openvdb::GridBase& grid, const With& with) {
 
 Coord block_of(const Coord& at) { return at & ~(block_edge - 1); }
 
-/// Bytes of the values in a leaf; a mask has states alone.
+/// Bytes of the values in a leaf; a mask has only states.
 std::uint64_t value_bytes(const openvdb::GridBase& grid) {
     return grid.isType<FloatGrid>()    ? leaf_voxels * sizeof(float)
            : grid.isType<VectorGrid>() ? leaf_voxels * sizeof(openvdb::Vec3s)
@@ -87,7 +87,7 @@ Json tiles_of(const Grid& grid) {
     return out;
 }
 
-/// World = matrix * (index, 1), rows of 4; null if the transform is none of that kind.
+/// World = matrix * (index, 1), rows of 4; null if the transform is not linear.
 Json matrix_of(const openvdb::math::Transform& transform) {
     if (!transform.isLinear()) return nullptr;
     const auto matrix = transform.baseMap()->getAffineMap()->getMat4();

@@ -19,7 +19,7 @@ namespace fluidcarve {
 class SharedGrids {
 public:
     /// @param inputs  one or more, by name: float, vector or mask, all with the same transform
-    /// @param budget  limit of what they take, and of what a part of them takes; bytes
+    /// @param budget  limit of the memory of all grids, and of a part; bytes
     /// @throws Failure naming an input of another type, two inputs with different transforms, or
     ///   one that is too large
     SharedGrids(const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
@@ -34,31 +34,31 @@ public:
         /// Whether results of a leaf are wanted. @param origin  of the leaf
         bool wants(const openvdb::Coord& origin) const;
     };
-    /// All leaves as one part; or, with a halo, parts of at most 64 x 64 x 64 voxels, each with the
-    /// voxels that are so near to it.
+    /// All leaves as one part; or, with a halo, parts of at most 64 x 64 x 64 voxels, each with
+    /// the voxels within `halo` of it.
     /// @param halo  voxels; nothing: one part
     std::vector<Part> parts(std::optional<int> halo) const;
 
-    /// Writes all grids into the worker's memory. @return what the request says of them
+    /// Writes all grids into the worker's memory. @return their description for the request
     /// @throws Failure if they take more than the budget
     nlohmann::json write(Worker& worker, const Part& part) const;
 
-    /// Makes a grid of the numbers that a worker leaves, one for each voxel of a part's leaves: it
-    /// has the active voxels of all inputs, and is 0 elsewhere.
+    /// Makes a grid of the numbers that a worker returns, one for each voxel of a part's leaves:
+    /// it has the active voxels of all inputs, and is 0 elsewhere.
     class Numbers {
     public:
         /// @param least  smallest allowed number, or -infinity
         Numbers(const SharedGrids& grids, float least);
         void take(Worker& worker, const Part& part);
         FloatGrid::Ptr grid;
-        std::atomic<bool> good = true;  ///< all of them are finite, and at least `least`
+        std::atomic<bool> good = true;  ///< all numbers are finite, and at least `least`
 
     private:
         const SharedGrids& grids_;
         float least_;
     };
 
-    /// Adds the leaves of states that the worker has left to a mask. @param leaves  their number
+    /// Adds the leaves of states that the worker returned to a mask. @param leaves  their number
     void add_states(MaskGrid& mask, Worker& worker, std::uint64_t leaves, const Part& part) const;
     /// The transform of all grids.
     const openvdb::math::Transform& transform() const { return grids_.front().second->transform(); }
@@ -66,13 +66,13 @@ public:
 private:
     nlohmann::json write_grid(const openvdb::GridBase& grid, const Part& part, std::byte* data,
                               std::uint64_t& at) const;
-    /// Bytes that so many leaves take.
+    /// Bytes that a number of leaves take.
     std::uint64_t bytes(std::size_t leaves) const;
 
     std::vector<std::pair<std::string, openvdb::GridBase::ConstPtr>> grids_;
     openvdb::MaskTree::Ptr voxels_;  ///< active voxels of all grids, without tiles
     std::vector<const openvdb::MaskTree::LeafNodeType*> leaves_;
-    openvdb::CoordBBox box_;  ///< of all active voxels; of none at all, from 0 to -1
+    openvdb::CoordBBox box_;  ///< of all active voxels; if there are none, from 0 to -1
     std::uint64_t budget_;
 };
 

@@ -5,8 +5,8 @@
 
 namespace fluidcarve {
 
-/// Memory that another process sees, too. It has no name, and goes with the last process that holds
-/// it. It grows, and never shrinks.
+/// Memory shared with another process. It has no name, and disappears with the last process that
+/// holds it. It grows, and never shrinks.
 class SharedMemory {
 public:
     /// @throws Failure if the system gives none
@@ -15,10 +15,10 @@ public:
     SharedMemory(const SharedMemory&) = delete;
     SharedMemory& operator=(const SharedMemory&) = delete;
 
-    /// By which another process finds it.
+    /// The descriptor by which another process maps the memory.
     int descriptor() const { return file_; }
     std::uint64_t size() const { return size_; }
-    /// The memory, grown to at least so many bytes. @throws Failure if the system gives no more
+    /// The memory, grown to at least `bytes` bytes. @throws Failure if the system gives no more
     std::byte* grown(std::uint64_t bytes);
     /// The memory as the other process left it. @throws Failure if it holds fewer bytes
     const std::byte* seen(std::uint64_t bytes);

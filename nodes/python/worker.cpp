@@ -30,8 +30,8 @@ namespace {
 using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-/// What the process runs first. It finds the package by its first argument, never in the current
-/// folder.
+/// The program that the process runs first. It finds the package by its first argument, never in
+/// the current folder.
 constexpr auto start_text =
     "import sys\n"
     "sys.path[:] = [sys.argv[1]] + [each for each in sys.path if each]\n"
@@ -43,16 +43,16 @@ constexpr auto start_text =
 /// The process's descriptors, in this order from 3 on.
 constexpr int first_descriptor = 3;
 constexpr std::size_t most_printed = 1000, most_log = std::size_t{1} << 20;
-/// The process ends itself when its time is over, and tells where it was. Only if it can't, this
-/// program ends it so many seconds later.
+/// The process ends itself when its time is over, and tells where it was. If it can't, this
+/// program ends it after these further seconds.
 constexpr double grace = 2;
 /// Libraries take some memory before a script asks for any.
 constexpr std::uint64_t least_memory = std::uint64_t{1} << 30;
 constexpr int pause_ms = 50, most_going_ms = 2000;
 
-/// What the process's environment says beside that of this program, unless that says it: glibc
-/// keeps the memory of arrays for those of the next frame. Fresh memory from the system takes twice
-/// as long to compute in.
+/// Variables added to the process's environment, unless this program's environment has them: they
+/// make glibc keep the memory of arrays for the next frame. Fresh memory from the system takes
+/// twice as long to compute in.
 constexpr std::array<std::pair<const char*, const char*>, 2> memory_settings{
     {{"MALLOC_MMAP_MAX_", "0"}, {"MALLOC_TRIM_THRESHOLD_", "4611686018427387904"}}};
 
@@ -106,7 +106,7 @@ Worker::Worker(const std::string& interpreter, const std::string& script,
     try {
         call({{"open", script}}, limits, host);
     } catch (...) {
-        // No destructor runs for an object that was not made.
+        // No destructor runs if the constructor throws.
         end();
         close_if_open(log_);
         throw;
@@ -178,7 +178,7 @@ void Worker::start() {
 void Worker::send(const std::string& line) {
     for (std::size_t done = 0; done < line.size();) {
         const auto sent = ::send(socket_, line.data() + done, line.size() - done, MSG_NOSIGNAL);
-        if (sent < 0 && errno != EINTR) return;  // the answer that does not come says why
+        if (sent < 0 && errno != EINTR) return;  // the missing answer is reported later
         if (sent > 0) done += static_cast<std::size_t>(sent);
     }
 }
@@ -194,7 +194,7 @@ bool Worker::next_line(std::string& line) {
 bool Worker::receive() {
     pollfd ready{socket_, POLLIN, 0};
     if (poll(&ready, 1, pause_ms) <= 0) {
-        // What a script prints without end must not fill the memory.
+        // Endless output of a script must not fill the memory.
         struct stat now {};
         if (fstat(log_, &now) == 0 && static_cast<std::size_t>(now.st_size) > most_log)
             [[maybe_unused]]
@@ -253,7 +253,7 @@ Json Worker::understood(const std::string& line) {
                              (is("number", &Json::is_number) && said["number"] == calls_ &&
                               (!said.contains("failed") || said["failed"].is_string()))))
         return said;
-    // What comes next could be taken for the answer to another request.
+    // A late answer could be taken for the answer to another request.
     end();
     throw Failure(
         fmt::format("{}: the script wrote into the socket between its process and this "
@@ -264,7 +264,7 @@ Json Worker::understood(const std::string& line) {
 void Worker::end(bool going) {
     close_if_open(socket_);
     if (process_ > 0) {
-        // One that is about to end by itself says more than one that was killed.
+        // A process that ends by itself tells more than a killed one.
         siginfo_t gone{};
         for (int waited = 0;
              going && waited < most_going_ms &&
@@ -272,7 +272,7 @@ void Worker::end(bool going) {
              gone.si_pid == 0;
              ++waited)
             poll(nullptr, 0, 1);
-        // The whole group: what the script has started, too.
+        // The whole group, with all processes that the script has started.
         kill(-process_, SIGKILL);
         while (waitpid(process_, &status_, 0) < 0 && errno == EINTR) {}
     }

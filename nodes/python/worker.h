@@ -12,21 +12,21 @@
 
 namespace fluidcarve {
 
-/// What a worker tells while it works, and what it asks.
+/// Callbacks of a worker during a call.
 struct WorkerHost {
     std::function<bool()> cancelled = [] { return false; };
     std::function<void(const std::string&)> warn = [](const std::string&) {};
     std::function<void(double)> progress = [](double) {};
 };
 
-/// What a call, or the import of the script, may take.
+/// Limits of a call, or of the import of the script.
 struct WorkerLimits {
     double seconds;        ///< after that the process is ended
     std::uint64_t memory;  ///< bytes of the process
 };
 
-/// A process of Python that runs the functions of one script: python/fluidcarve/worker.py. The two
-/// talk by lines of JSON over a socket, and hand arrays over in shared memory. It ends with this
+/// A process of Python that runs the functions of one script: python/fluidcarve/worker.py. Both
+/// processes exchange lines of JSON over a socket, and arrays in shared memory. It ends with this
 /// object, and with this program, however that ends.
 class Worker {
 public:
@@ -51,20 +51,20 @@ public:
 
     SharedMemory given, answered;  ///< written by this program, and by the worker
     std::vector<int> frames;       ///< the frames of the sequence, as the worker knows them
-    std::string found;             ///< what `finish` of the script found, as the worker knows it
+    std::string found;             ///< result of the script's `finish`, as the worker knows it
 
 private:
     void start();
     void send(const std::string& line);
-    /// A line as what it says.
-    /// @throws Failure if it is nothing that a worker says, or answers another request; the process
-    ///   is ended then
+    /// Parses a line of the worker.
+    /// @throws Failure if it is not a message of a worker, or answers another request; then ends
+    ///   the process
     nlohmann::json understood(const std::string& line);
-    /// Moves a line that has come to `line`. @return false if there is none yet
+    /// Moves a received line to `line`. @return false if there is none yet
     bool next_line(std::string& line);
-    /// Waits a moment for more. @return false if the process has closed the socket
+    /// Waits a moment for more data. @return false if the process has closed the socket
     bool receive();
-    /// Ends the process. @param going  it has begun to end by itself
+    /// Ends the process. @param going  whether it is already ending by itself
     void end(bool going = false);
     /// What the script printed since the last call.
     std::string printed();
@@ -77,7 +77,7 @@ private:
     int life_ = -1;  ///< the process ends once this is closed
     int log_ = -1;   ///< what the process prints
     int status_ = 0;
-    bool ready_ = false;       ///< it has begun to run the script
+    bool ready_ = false;       ///< the process has begun to run the script
     std::uint64_t calls_ = 0;  ///< each answer has the number of its request
     double seconds_ = 0;       ///< of the last call
     std::string read_;

@@ -75,8 +75,8 @@ void Workers::start_beside(const Kind& kind, const WorkerLimits& limits) {
         try {
             made = std::make_unique<Worker>(kind.first, kind.second, limits, host);
         } catch (...) {
-            // Those that run go on. If none is left, the next caller starts one itself, and is told
-            // why it can't.
+            // Running workers continue. If none is left, the next caller starts one itself, and
+            // gets the failure.
         }
         const std::lock_guard lock(mutex_);
         auto& pool = pools_[kind];

@@ -16,12 +16,12 @@
 
 namespace fluidcarve {
 
-/// The program's workers. There come to be as many as frames in flight. A further one starts beside
-/// those that work, so that nobody waits for its start who could have one of them before.
-/// Thread-safe.
+/// The program's workers. Their number grows to that of frames in flight. Further workers start in
+/// the background, so that a caller can take a worker that becomes idle before the new one has
+/// started. Thread-safe.
 class Workers {
 public:
-    /// Which workers can stand in for each other: interpreter and script.
+    /// Workers of one kind are interchangeable: interpreter and script.
     using Kind = std::pair<std::string, std::string>;
 
     static Workers& of_program();
@@ -37,7 +37,7 @@ private:
     struct Pool {
         std::vector<std::unique_ptr<Worker>> idle;
         std::size_t busy = 0, starting = 0, waiting = 0;
-        bool can_start = true;  ///< none has failed to start beside others
+        bool can_start = true;  ///< false once a worker has failed to start in the background
     };
     /// An idle worker, or a new one; it counts as busy.
     std::unique_ptr<Worker> taken(const Kind& kind, const WorkerLimits& limits,
@@ -46,7 +46,7 @@ private:
 
     std::mutex mutex_;
     std::condition_variable changed_;
-    std::map<Kind, Pool> pools_;  ///< their places do not change
+    std::map<Kind, Pool> pools_;  ///< references to pools stay valid
     std::atomic<bool> closing_ = false;
     std::vector<std::thread> starters_;
 };

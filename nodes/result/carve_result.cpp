@@ -25,12 +25,12 @@ using openvdb::Vec3d;
 constexpr double same_share = 1e-4,
                  same_voxels = 0.01;    ///< smaller changes of mass and place count as none
 constexpr double nothing_share = 1e-6;  ///< share of the mass that counts as nothing left
-constexpr double much_mass = 1.0 / 3;   ///< change of the mass from which on it is warned of
+constexpr double much_mass = 1.0 / 3;   ///< change of the mass from which on there is a warning
 constexpr double unlike_even =
-    0.2;  ///< if it differs by so much from that of even scaling to the same size
+    0.2;  ///< least difference from the change by even scaling to the same size, for a warning
 constexpr double steady_voxels =
-    1.5;  ///< an end of the content that moves by less over the sequence stands still
-constexpr double far_voxels = 5;  ///< way that the source moved from which on it is warned of
+    1.5;  ///< an end of the content that moves by fewer voxels over the sequence stands still
+constexpr double far_voxels = 5;  ///< displacement of the source from which on there is a warning
 
 Json to_json(const Vec3d& vector) { return Json::array({vector.x(), vector.y(), vector.z()}); }
 
@@ -68,8 +68,7 @@ bool unchanged(const GridMeasure& a, const GridMeasure& b, double voxel) {
            near(a.box.max(), b.box.max()) && near(a.centre, b.centre);
 }
 
-/// Whether a box is one voxel thick: what lies in it is a picture, not something that starts
-/// anywhere.
+/// Whether a box is one voxel thick: its content is a picture, which has no source.
 bool is_picture(const openvdb::BBoxd& box, double voxel) {
     const auto size = box.extents();
     return !box.empty() && std::min({size.x(), size.y(), size.z()}) < 1.5 * voxel;
@@ -115,7 +114,7 @@ struct End {
     double lowest = std::numeric_limits<double>::infinity(),
            highest = -lowest;  ///< before the carve
     double moved = 0;          ///< by the carve, at most
-    int frame = 0;             ///< where it moved so far
+    int frame = 0;             ///< frame of that displacement
 
     void add(int number, double before, double after) {
         lowest = std::min(lowest, before);
@@ -127,13 +126,13 @@ struct End {
     double range() const { return highest - lowest; }
 };
 
-/// What a carve did to a grid.
+/// The effect of a carve on a grid.
 struct GridResult {
     std::size_t frames = 0;
     OverFrames before, after;
     bool same = true;         ///< in all frames
     std::vector<int> lost;    ///< numbers of the frames where nothing is left
-    std::size_t full = 0;     ///< number of frames where there was something
+    std::size_t full = 0;     ///< number of frames with content
     std::array<End, 6> ends;  ///< of the content: lowest and highest along x, y and z
     double voxel = 0;         ///< edge
     bool picture = false;     ///< in any frame
@@ -165,8 +164,8 @@ struct GridResult {
         }
         last = now;
     }
-    /// The end that stands still over the sequence while the other moves, and so shows where the
-    /// source is, if the carve moved it far.
+    /// The end that stands still over the sequence while the other end moves, if the carve moved
+    /// it far. It is taken for the source.
     const End* moved_source() const {
         if (picture || full < 2) return nullptr;
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -290,12 +289,12 @@ void warn_of_nothing_left(const GridResults& grids, const Context& context) {
 }
 
 void warn_of_mass(const GridResults& grids, const Context& context) {
-    // Beside content, a grid of one value is none.
+    // Beside other grids with content, a grid of one value does not count.
     const bool content = std::ranges::any_of(
         grids, [](const auto& each) { return !each.second.empty() && !each.second.flat(); });
     std::vector<std::string> changes;
     for (const auto& [name, grid] : grids)
-        // A river's box says nothing of its width, and the mass of a surface is not conserved.
+        // A river's box does not tell its width, and the mass of a surface is not conserved.
         if (!grid.surface && !grid.empty() && !grid.gone() && !(content && grid.flat()) &&
             std::abs(grid.change()) >= much_mass &&
             std::abs((1 + grid.change()) / (1 + grid.even_change()) - 1) >= unlike_even)

@@ -7,8 +7,8 @@
 
 namespace fluidcarve {
 
-/// Section of the report with what a carve did to each grid in each frame, and section with what it
-/// did to each grid over all frames (pipelines/FORMATS.md).
+/// Sections of the report with the effect of a carve on each grid: in each frame, and over all
+/// frames (pipelines/FORMATS.md).
 inline constexpr const char* grids_by_frame = "grids_by_frame";
 inline constexpr const char* carved_grids = "grids";
 
@@ -18,10 +18,11 @@ inline constexpr const char* carved_grids = "grids";
 /// @return the frame's entry for `grids_by_frame`
 nlohmann::ordered_json compared(const Volume& before, const Volume& after);
 
-/// Says what a carve did, from the entries of all frames: the node's entry for `grids`, a line for
-/// each grid, and warnings if a carve changed nothing, left nothing, changed the mass by a third or
-/// more though even scaling to the same size would not, or moved the source by 5 voxels or more:
-/// the end of the content that stands still over the sequence while the other moves.
+/// Reports the effect of a carve, from the entries of all frames: the node's entry for `grids`, a
+/// line for each grid, and warnings if a carve changed nothing, left nothing, changed the mass by
+/// a third or more though even scaling to the same size would not, or moved the source by 5 voxels
+/// or more. The source is the end of the content that stands still over the sequence while the
+/// other end moves.
 /// @param frames  entries of compared() by frame number, or a single one of any other name
 void tell_result(const nlohmann::ordered_json& frames, Context& context);
 

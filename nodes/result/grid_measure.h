@@ -6,9 +6,9 @@
 
 namespace fluidcarve {
 
-/// What a grid holds in one frame. The amount of a voxel is its absolute value; in a level set, the
-/// share of the voxel that is inside, from 0 to 1. Only active voxels count; in a level set, all.
-/// Values that are not finite, or beyond the range of floats, count as 0.
+/// Measures of a grid's content in one frame. The amount of a voxel is its absolute value; in a
+/// level set, the share of the voxel that is inside, from 0 to 1. Only active voxels count; in a
+/// level set, all. Values that are not finite, or beyond the range of floats, count as 0.
 struct GridMeasure {
     /// Around the active voxels, to their outer faces, world units; empty() without any.
     openvdb::BBoxd box;
@@ -23,7 +23,7 @@ struct GridMeasure {
 /// @return nothing for grids of other types
 std::optional<GridMeasure> measured(const openvdb::GridBase& grid);
 
-/// Edge of a cube as large as a voxel of the grid, world units.
+/// Cube root of the volume of a voxel, world units.
 double voxel_edge(const openvdb::GridBase& grid);
 
 }  // namespace fluidcarve

@@ -12,8 +12,8 @@ namespace fluidcarve {
 
 namespace {
 
-/// What is wrong; empty: nothing.
-/// @param energy   where the files have voxels that the energy is made of
+/// The fault of the placement; empty: none.
+/// @param energy   region of the voxels in the files that the energy is made of
 /// @param lattice  null: not known
 std::string placement_fault(const Region& energy, const Region* lattice) {
     if (energy.boxes.empty())

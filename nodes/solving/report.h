@@ -27,17 +27,17 @@ nlohmann::ordered_json empty_report(const Seams& seams);
 void describe_seams(const FoundSeams& found, const std::string& prefix, const MarkCounts& marks,
                     nlohmann::ordered_json& report);
 
-/// Seconds for each seam together with its pair, as far as they were found.
-/// @param before  report of an earlier search, which goes on; null: none
+/// Seconds for each seam together with its pair, as far as these were found.
+/// @param before  report of an earlier search that is continued; null: none
 std::vector<double> wall_seconds(const nlohmann::ordered_json& before, const FoundSeams& pairs,
                                  const FoundSeams& found);
 
 /// Says in a report that there are fewer seams than asked for.
 /// @param no_more  why: "window [2, 5]: ..."
 void set_shortfall(nlohmann::ordered_json& report, std::size_t asked, const std::string& no_more);
-/// Whether a report says so.
+/// Whether a report has a shortfall.
 bool falls_short(const nlohmann::ordered_json& report);
-/// Takes it back.
+/// Removes the shortfall from a report.
 void end_shortfall(nlohmann::ordered_json& report);
 
 /// Changes a report to that of the first `count` seams, or of all if there are no more. The

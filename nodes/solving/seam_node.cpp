@@ -47,8 +47,8 @@ std::optional<FramesCarved> SeamNode::in_time(const Params& params) {
 
 std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports& io,
                                               Context& context) {
-    // The first frame tells, before all others are read. What is left after other seams is known
-    // only later.
+    // The first frame shows faults before all others are read. The space after other seams is
+    // known only later.
     if (context.place() == 0) {
         auto form = io.lattice->form();
         form.frames = static_cast<int>(context.frames().size());
@@ -105,7 +105,7 @@ void SeamNode::solve(const Params& stated, Ports& io, Context& context, const Fi
         if (finest > 1 && !params.finest) context.warn_at_once(half_size_note(space));
         auto [energy, thick] = gathered_.take(params, space, context.limits());
         if (thick) empty.thickness = thick->thickness * finest;
-        // Seams of full size don't tell which ones of half size they came from.
+        // Seams of full size do not tell the seams of half size that they came from.
         if (finest > 1) before_ = {};
         // An unfinished larger set may hold more pairs than are wanted.
         if (before_.seams) before_ = before_.first(static_cast<std::size_t>(task.count));

@@ -20,10 +20,10 @@
 
 namespace fluidcarve {
 
-/// The base of all solver nodes (METHOD 8): what they take and give, and how a run calls them. The
-/// work that does not depend on how one seam is found is in carve/solver/task and here: windows,
-/// pairs, static seams, masks, and the space that earlier seams leave. A new solver is a FindSeam
-/// with its own parameters and a node:
+/// The base of all solver nodes (METHOD 8): their ports, and how a run calls them. The work that
+/// does not depend on how one seam is found is in carve/solver/task and here: windows, pairs,
+/// static seams, masks, and the space that earlier seams leave. A new solver is a FindSeam with
+/// its own parameters and a node:
 ///
 ///     struct Mine : SeamNode {
 ///         struct Params : SeamNode::Params { int passes = 3; };
@@ -48,10 +48,10 @@ public:
     };
 
     static void check(const Params& params, NodeCheck& check) { check_params(params, check); }
-    /// Tells of an energy without content, and of a lattice beside it, as far as the headers of
-    /// files say so.
+    /// Warns of an energy without content, and of a lattice beside the content, as far as the
+    /// headers of files tell.
     static void foresee(const Params& params, Outlook& ahead);
-    /// What seams of frames will do to their sequence; nothing of other seams.
+    /// The effect of seams of frames on their sequence; nothing for other seams.
     static std::optional<FramesCarved> in_time(const Params& params);
     /// One frame's energy at the lattice's vertices, with its field and masks.
     static std::shared_ptr<FrameEnergy> digest(const Params& params, const Ports& io,
@@ -81,7 +81,7 @@ public:
 
 protected:
     /// Finds the seams and reports them under `seams` (report.h).
-    /// @param start_from  for solvers that start from the seam before
+    /// @param start_from  for solvers that start from the previous seam
     void solve(const Params& params, Ports& io, Context& context, const FindSeam& find,
                const StartFrom& start_from = nullptr);
 

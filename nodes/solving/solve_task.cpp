@@ -15,8 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A search under way: the pairs that it has found, how far it is, and when it last handed over
-/// what there was.
+/// A running search: the pairs found, its progress, and the time of the last Context::hold.
 class TaskSearch {
 public:
     TaskSearch(EnergyVolume& energy, const SearchSetup& setup, const Context& context)
@@ -32,7 +31,7 @@ public:
         const auto found = find(task_.seams);
         auto out = whole(found);
         if (static_cast<int>(found.seams.size()) == task_.count) return out;
-        // A pair without its seam is none.
+        // Drops second seams whose first seam was not found.
         out = out.first(found.seams.size());
         const auto& part = found.no_more ? task_.seams : *task_.pairs;
         set_shortfall(out.report, static_cast<std::size_t>(task_.asked),
@@ -42,8 +41,7 @@ public:
     }
 
 private:
-    /// How much of this search's work a part makes, from 0 to 1: its share of the seams that are
-    /// still missing.
+    /// A part's share of the work of this search, 0 to 1: its share of the missing seams.
     double share_of(const SeamTask::Part& part) const {
         if (!task_.pairs) return 1;
         const auto left = [&](bool pair) {
@@ -90,8 +88,8 @@ private:
         held_ = Clock::now();
     }
 
-    /// The set while its pairs are found. They come first, so there may be more of them than of the
-    /// seams, which are those found before.
+    /// The set while its second seams are searched. These come first, so there may be more of them
+    /// than of first seams, which are those of an earlier search.
     ReportedSeams only_pairs(const FoundSeams& pairs) const {
         const auto& before = setup_.before;
         auto set = std::make_shared<Seams>(setup_.empty);
@@ -122,7 +120,7 @@ private:
     const SearchSetup& setup_;
     const Context& context_;
     const PartFinder parts_;
-    int count_ = task_.count;  ///< of seams to find; after the pairs, as many as there are pairs
+    int count_ = task_.count;  ///< number of seams to find; after the pairs, the number of pairs
     FoundSeams pairs_;
     double done_ = 0;  ///< share of the work, 0 to 1
     Clock::time_point held_ = Clock::now();

@@ -13,7 +13,7 @@
 
 namespace fluidcarve {
 
-/// What a search goes by, besides its energy.
+/// Inputs of a search, besides its energy.
 struct SearchSetup {
     const SeamTask& task;
     const CarvedSpace& space;
@@ -22,17 +22,17 @@ struct SearchSetup {
     const MarkCounts& marks;
     const FindSeam& find;
     const StartFrom& start_from;
-    std::optional<int> bound_passes;  ///< of lower_bound(); nothing: none, and of large energies
-                                      ///< only the first seam gets a bound
+    std::optional<int> bound_passes;  ///< passes of lower_bound(); nothing: as few as possible,
+                                      ///< and in large energies only for the first seam
     std::chrono::milliseconds hold_after;  ///< shortest time between two calls of Context::hold
-    /// Fewer seams than the task wants are a result, too, if no more are possible.
+    /// Accept fewer seams than the task wants, if no more are possible.
     bool best_effort = false;
     std::optional<Thick> thick = {};  ///< nothing: seams are thin
 };
 
 /// Finds all seams of a task; with `best_effort` perhaps fewer, and the report says why. Meanwhile
-/// hands over those found so far, with their report.
-/// @param energy  used up
+/// passes the seams found so far, with their report, to Context::hold.
+/// @param energy  is consumed
 /// @throws Failure saying why no more seams are possible; as find_seams()
 ReportedSeams solve_task(EnergyVolume& energy, const SearchSetup& setup, const Context& context);
 

@@ -11,7 +11,7 @@
 
 namespace fluidcarve {
 
-/// What the files of a run state of how they were made. Thread-safe.
+/// The provenance of the files of a run. Thread-safe.
 class FileProvenance {
 public:
     /// @param held  `[node][output]`: results of nodes that run once
@@ -19,8 +19,8 @@ public:
                    const std::vector<std::vector<Payload>>& held)
         : pipeline_(pipeline), registry_(registry), held_(held) {}
 
-    /// Node::provenance of a writer, with the checksums of what its files are made with, which must
-    /// be held by now.
+    /// Node::provenance of a writer, with the checksums of the results that its files are made
+    /// from, which must be held by now.
     Provenance of(std::size_t writer);
 
 private:

@@ -19,7 +19,7 @@ struct RunOptions {
     /// Bytes of cached results that remain after a run.
     std::uint64_t cache_size = std::uint64_t{50} * 1024 * 1024 * 1024;
 
-    /// Bodies that can work at once.
+    /// Number of bodies that can work at once.
     /// @param calls  of a body that is called per frame; nothing: its loops use all threads
     double abreast(std::optional<std::size_t> calls) const;
 };

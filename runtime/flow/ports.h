@@ -31,7 +31,7 @@ struct PortsOf {
     std::uint64_t bytes(const std::vector<Payload>& payloads) const;  ///< in memory
 
 private:
-    /// What an input gets of a payload: it as a whole, converted, or a part of it.
+    /// The value that an input gets: the whole payload, converted if necessary, or a part of it.
     Payload taken(const Link& link, const Payload& payload, const InputSpec& spec) const;
 };
 

@@ -10,8 +10,7 @@
 namespace fluidcarve {
 namespace {
 
-/// Tells the system what will be read of a file. A file that can't be opened is left to its reader,
-/// who says why.
+/// Tells the system about the use of a file. If the file can't be opened, its reader reports that.
 void tell_of(const std::string& path, InputFile::Use use) {
     try {
         InputFile(path, {"an input"}).advise(use);
@@ -44,7 +43,7 @@ void ReadAhead::begin(std::size_t frame) {
 
 void ReadAhead::end(std::size_t frame) {
     const std::lock_guard lock(mutex_);
-    // Files of frames that are done are asked for no more: that would read again what was dropped.
+    // Files of finished frames are not requested: that would read dropped files again.
     next_ = std::max(next_, frame + 1);
     if (!drops_) return;
     done_.push_back(frame);
@@ -68,8 +67,8 @@ void ReadAhead::work(const std::stop_token& stop) {
 void ReadAhead::drop(std::size_t done) {
     for (const auto& path : files_.read[done])
         if (last_[path] == done) tell_of(path, InputFile::Use::over);
-    // The system drops only what is on the disk. Of the rest it begins to write, so it is told
-    // again.
+    // The system drops only data that is on the disk, and begins to write the rest, so it is told
+    // again later.
     lately_.push_back(done);
     if (lately_.size() > ahead_ + 2) lately_.pop_front();
     for (const auto frame : lately_)

@@ -21,10 +21,10 @@ struct FilesOfPass {
     std::vector<std::vector<std::string>> read, written;
 };
 
-/// Has the system read the files of the next frames while earlier ones are worked on. It asks in a
-/// thread of its own, since a slow disk may keep who asks waiting. If all files that are read are
-/// together larger than memory, it also gives back the memory of those that no later frame reads,
-/// and of those that frames have written.
+/// Makes the system read the files of the next frames while earlier frames are processed. It asks
+/// in a thread of its own, since a slow disk may block the caller. If all files to read are
+/// together larger than memory, it also drops files from the system's cache that no later frame
+/// reads, or that frames have written.
 class ReadAhead {
 public:
     /// @param ahead   number of frames to read ahead
@@ -40,7 +40,7 @@ public:
 
 private:
     void work(const std::stop_token& stop);
-    /// Has the files of a frame dropped. @param done  the frame
+    /// Drops the files of a frame. @param done  the frame
     void drop(std::size_t done);
 
     const FilesOfPass files_;
@@ -49,9 +49,9 @@ private:
     bool drops_ = false;
     std::mutex mutex_;
     std::condition_variable_any changed_;
-    std::size_t next_ = 0, until_ = 0;  ///< frames that are asked for next
+    std::size_t next_ = 0, until_ = 0;  ///< the next frames to read ahead
     std::vector<std::size_t> done_;     ///< frames whose files may be dropped
-    /// Frames that were done last: not all that they wrote may be on the disk.
+    /// Frames finished last: their files may not be on the disk yet.
     std::deque<std::size_t> lately_;
     std::jthread thread_;
 };

@@ -16,12 +16,12 @@ std::string element(const std::string& open, const std::string& words);
 std::string wide_table(const std::vector<std::string>& heads,
                        const std::vector<std::vector<std::string>>& rows);
 
-/// The beginning of a page, to the start of its body: without scripts, and with nothing from
-/// elsewhere.
+/// The beginning of a page, up to the start of its body. It has no scripts and loads no other
+/// files.
 std::string page_begin(const std::string& title);
 
 /// A picture that a click shows at full size.
-/// @param caption  also its text for those who do not see it
+/// @param caption  also the alternative text
 /// @param png  the file's bytes
 std::string picture_figure(const std::string& caption, const std::string& png);
 

@@ -32,7 +32,7 @@ struct PageLink {
 /// The files of a pipeline's writers, for the report page.
 struct WrittenFiles {
     std::vector<PagePicture> pictures;
-    std::vector<PageLink> pages;                 ///< those that are there
+    std::vector<PageLink> pages;                 ///< existing ones
     std::map<std::string, std::uint64_t> bytes;  ///< node name to the bytes of its existing files
 };
 

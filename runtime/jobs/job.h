@@ -12,11 +12,11 @@
 
 namespace fluidcarve {
 
-/// What a task asks of its machine. 0: not known.
+/// Resources that a task needs. 0: unknown.
 struct FarmResources {
     int cores = 0;
     std::uint64_t memory = 0;  ///< bytes
-    std::uint64_t disk = 0;    ///< bytes that it writes, in the work folder and as outputs
+    std::uint64_t disk = 0;    ///< bytes written, in the work folder and as outputs
     double seconds = 0;        ///< wall time
 };
 
@@ -29,7 +29,7 @@ struct FarmTask {
 struct FarmStep {
     std::string name;                    ///< unique in the job; letters, digits, `-` and `_`
     std::string what;                    ///< what it does, as a clause
-    std::vector<std::string> needs;      ///< names of the steps that must have ended well
+    std::vector<std::string> needs;      ///< names of the steps that must have succeeded
     std::vector<std::string> arguments;  ///< words after `fluidcarve`, from `run` on, without -f
     bool chunked = false;         ///< its tasks have frames of their own, each frame in one task
     std::vector<FarmTask> tasks;  ///< at least one
@@ -47,7 +47,7 @@ struct FarmPath {
     bool out = false;     ///< it is written
 };
 
-/// A run as steps for a farm. It begins in `folder`, on every machine.
+/// A run divided into steps for a farm. Its tasks start in `folder`, on every machine.
 struct FarmJob {
     std::string name;      ///< unique in the work folder; the same command makes the same name
     std::string pipeline;  ///< path of the pipeline file, as it was given
@@ -56,9 +56,9 @@ struct FarmJob {
     std::vector<std::string> prefix;
     std::string executable;       ///< the program
     std::string work;             ///< the work folder, absolute
-    std::string again;            ///< the command that makes this job again, for a shell
+    std::string again;            ///< the shell command that makes this job again
     std::vector<FarmStep> steps;  ///< a step stands after those that it needs
-    std::vector<FarmPath> paths;  ///< all that is read and written
+    std::vector<FarmPath> paths;  ///< all files and folders read and written
 
     /// The step of a name; null: there is none.
     const FarmStep* find(const std::string& step) const;
@@ -69,18 +69,18 @@ struct FarmJob {
 /// frames where nothing was measured.
 struct FarmChunking {
     std::optional<std::size_t> frames;  ///< of each task
-    std::optional<double> minutes;      ///< wall time of each task, by what earlier runs took
+    std::optional<double> minutes;      ///< wall time of each task, estimated from earlier runs
     std::optional<std::size_t> tasks;   ///< of each step
 };
 
-/// The words of a task's command: prefix, program, arguments and frames. These are joined to their
-/// option, since they may be negative.
+/// The words of a task's command: prefix, program, arguments and frames. Frames are joined to
+/// their option (`--frames=`), since they may be negative.
 std::vector<std::string> command_of(const FarmJob& job, const FarmStep& step, const FarmTask& task);
 
 /// Splits frames into tasks of at most `most`, in order, each frame in one.
 std::vector<FarmTask> chunks_of(const FrameSet& frames, std::size_t most);
 
-/// The job for people: its steps, what each waits for, its tasks and what they ask for, and the
+/// The job for people: its steps, what each waits for, its tasks and their resources, and the
 /// command of its first task.
 std::string to_text(const FarmJob& job);
 /// The job for programs, as pipelines/FORMATS.md says.

@@ -37,20 +37,20 @@ bool is_job(const Json& job) {
     });
 }
 
-/// What the tasks of a step have said.
+/// The status of a step, from the records of its tasks.
 struct StepStatus {
     std::size_t running = 0, done = 0;  ///< tasks
-    std::set<int> frames;               ///< of tasks that are done
+    std::set<int> frames;               ///< of finished tasks
     std::vector<std::pair<std::string, Json>> failed;
 };
 
-/// Whether a task that failed has been made good by others since.
+/// Whether other tasks have since done the work of a failed task.
 bool made_good(const Json& task, const StepStatus& step) {
     const auto frames = task.value("frames", std::vector<int>());
     return std::ranges::all_of(frames, [&](int frame) { return step.frames.contains(frame); });
 }
 
-/// How a step is: "done", "running", "failed", "interrupted", "begun" or "waits".
+/// The state of a step: "done", "running", "failed", "interrupted", "begun" or "waits".
 std::string state_of(const StepStatus& step, std::size_t wanted, bool chunked) {
     if (chunked ? wanted > 0 && step.frames.size() >= wanted : step.done > 0) return "done";
     if (step.running > 0) return "running";
@@ -83,7 +83,7 @@ StepStatus status_of(const std::string& name, bool chunked, const std::vector<Js
     return out;
 }
 
-/// What is known of a job, as `status --json` prints it.
+/// The status of a job, as `status --json` prints it.
 Json about(const Json& job, const std::string& folder) {
     const auto tasks = recorded_runs(folder + "/tasks");
     Json out{{"job", job["name"]}, {"pipeline", job["pipeline"]}, {"engine", job["engine"]},
@@ -137,7 +137,7 @@ std::vector<Json> jobs_in(const std::string& work_folder) {
     return out;
 }
 
-/// What a list of step names says in a table.
+/// A list of step names for a table.
 std::string joined(const Json& names) {
     std::string out;
     for (const auto& name : names) out += (out.empty() ? "" : ", ") + name.get<std::string>();

@@ -30,7 +30,7 @@ using Clock = std::chrono::steady_clock;
 constexpr auto between_looks = std::chrono::milliseconds(10);
 constexpr int not_started = 127;
 
-/// A task on its way.
+/// A running task.
 struct Running {
     std::size_t step = 0, task = 0;
     pid_t process = 0;
@@ -38,7 +38,7 @@ struct Running {
     Clock::time_point start{};
 };
 
-/// How far a step is.
+/// Progress of a step.
 struct StepState {
     std::size_t next = 0;  ///< the first task that has not started
     std::size_t done = 0;
@@ -46,7 +46,7 @@ struct StepState {
     bool hopeless = false;  ///< a step that it needs failed, so that it never starts
 };
 
-/// Starts a command in a process group of its own, all that it prints going to a file.
+/// Starts a command in a process group of its own, with its output in a file.
 /// @throws Failure
 pid_t start(const std::vector<std::string>& words, const std::string& log) {
     std::vector<char*> arguments;
@@ -57,7 +57,7 @@ pid_t start(const std::vector<std::string>& words, const std::string& log) {
     const auto parent = getpid();
     const auto process = fork();
     if (process == 0) {
-        // Only what is safe between fork and exec.
+        // Only calls that are safe between fork and exec.
         setpgid(0, 0);
         prctl(PR_SET_PDEATHSIG, SIGTERM);
         if (getppid() != parent) _exit(not_started);
@@ -76,7 +76,7 @@ pid_t start(const std::vector<std::string>& words, const std::string& log) {
     return process;
 }
 
-/// The failures that a log tells; if it tells none, its last line.
+/// The failures in a log; if there are none, its last line.
 std::vector<std::string> failures_in(const std::string& log) {
     std::vector<std::string> out;
     std::string last;
@@ -155,7 +155,7 @@ private:
         running_.push_back(std::move(running));
     }
 
-    /// Takes note of the tasks that have ended. @return whether one has
+    /// Handles the tasks that have ended. @return whether one has
     bool look() {
         bool ended = false;
         for (std::size_t n = 0; n < running_.size();) {
@@ -204,7 +204,7 @@ private:
         tell(fmt::format("  its log: {}", task.log));
     }
 
-    /// Says what was not run, and how to go on.
+    /// Prints what was not run, and how to continue.
     int tell_rest() {
         std::vector<std::string> left;
         for (std::size_t step = 0; step < states_.size(); ++step)

@@ -4,9 +4,10 @@
 
 namespace fluidcarve {
 
-/// Runs the tasks of a job as processes of this machine, so many at once, each after the steps that
-/// it needs. What a task prints goes to a log in the job's folder. A task that is killed from
-/// outside runs once more. After a failure, tasks that do not need it go on.
+/// Runs the tasks of a job as processes of this machine, FarmRequest::processes in parallel, each
+/// after the steps that it needs. The output of a task goes to a log in the job's folder. A task
+/// that is killed from outside runs once more. After a failure, tasks that do not depend on it
+/// continue.
 int farm_locally(const FarmJob& job, const FarmRequest& request);
 
 }  // namespace fluidcarve

@@ -32,12 +32,12 @@ constexpr std::size_t longest_job_name = 128;
 constexpr std::size_t longest_description = 2048;
 constexpr int notice_seconds = 30;
 
-/// Frames that lie evenly: first, first + step, ..., last.
+/// Evenly spaced frames: first, first + step, ..., last.
 struct EvenFrames {
     int first = 0, last = 0, step = 1;
 };
 
-/// Cuts sorted frames into parts that lie evenly, each as long as it can be.
+/// Cuts sorted frames into evenly spaced parts, each as long as possible.
 std::vector<EvenFrames> even_parts(const std::vector<int>& frames) {
     std::vector<EvenFrames> parts;
     for (const auto frame : frames) {
@@ -73,7 +73,7 @@ std::string replaced(std::string text, std::string_view what, std::string_view b
 /// A word as shell code in which no pair of braces begins or ends a reference to a parameter.
 std::string code_of(const std::string& word) {
     const auto code = shell_word(word);
-    // Quotes that hold nothing part braces, but end what `$'` began.
+    // Empty quotes separate braces, but end a string that `$'` began.
     const bool escapes = code.starts_with("$'");
     return replaced(replaced(code, "{{", escapes ? "{\\x7b" : "{''{"), "}}",
                     escapes ? "}\\x7d" : "}''}");
@@ -222,7 +222,7 @@ private:
         return out;
     }
 
-    /// @param frames  set to what names a task's frames
+    /// @param frames  set to the expression for a task's frames
     static Json chunks(const FarmStep& step, std::string& frames) {
         std::vector<int> all;
         std::size_t most = 1;
@@ -240,7 +240,7 @@ private:
                {"chunks", {{"defaultTaskCount", most}, {"rangeConstraint", "NONCONTIGUOUS"}}}}}}};
     }
 
-    /// @param frames  set to what names a task's frames
+    /// @param frames  set to the expression for a task's frames
     static Json pairs(const FarmStep& step, std::string& frames) {
         Json first = Json::array(), last = Json::array(), by = Json::array();
         bool even = true;
@@ -269,8 +269,8 @@ private:
         return out;
     }
 
-    /// The program's words as shell code: those that name the pipeline or the work folder by what
-    /// the task was given for them.
+    /// The program's words as shell code. Words for the pipeline and the work folder refer to the
+    /// task's parameters.
     std::string command(const FarmStep& step) const {
         std::string out;
         for (const auto& word : command_of(job_, step, {})) {
@@ -282,7 +282,8 @@ private:
         return out;
     }
 
-    /// What a task runs: with its frames, and the values of all parameters in their order.
+    /// The script of a task. Its arguments are the frames, and the values of all parameters in
+    /// their order.
     std::string script(const FarmStep& step) const {
         auto out = fmt::format("# {}: {}\nset -eu\n", step.name,
                                plain_name(step.what, longest_description));

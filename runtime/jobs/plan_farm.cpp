@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t frames_unmeasured = 10;  ///< of a task, if nothing was measured
-constexpr double minutes_wanted = 10;          ///< of a task, if nothing else is asked for
+constexpr std::size_t frames_unmeasured = 10;  ///< frames of a task, if nothing was measured
+constexpr double minutes_wanted = 10;          ///< wanted time of a task, by default
 constexpr std::uint64_t program_bytes = std::uint64_t{256}
                                         << 20;  ///< memory of a run besides its data
 constexpr double memory_margin = 1.25;
@@ -45,7 +45,7 @@ std::size_t frames_of_task(const RunStep& step, const FarmChunking& chunking) {
     const auto wanted = chunking.minutes.value_or(minutes_wanted) * 60 - (one.seconds - each);
     if (!(each > 0) || wanted >= each * static_cast<double>(all)) return all;
     const auto most = static_cast<std::size_t>(std::max(1.0, std::floor(wanted / each)));
-    // As many tasks, but all of about the same size.
+    // The same number of tasks, but all of about the same size.
     const auto tasks = (all + most - 1) / most;
     return (all + tasks - 1) / tasks;
 }
@@ -59,7 +59,7 @@ FarmResources resources_of(const RunCost& cost) {
     return {cost.cores, memory, cost.disk, cost.all_measured ? cost.seconds : 0};
 }
 
-/// All that the run reads and writes.
+/// All files and folders that the run reads and writes.
 std::vector<FarmPath> paths_of(const Pipeline& pipeline, const std::string& work) {
     std::vector<FarmPath> out;
     for (std::size_t n = 0; n < pipeline.files.size(); ++n)
@@ -73,7 +73,7 @@ std::vector<FarmPath> paths_of(const Pipeline& pipeline, const std::string& work
     for (const auto& [type, file] : pipeline.plugins) plugins.insert(absolute(file));
     for (const auto& file : plugins) out.push_back({"plugin", file, {}, false, true, false});
     for (const auto& place : file_places(pipeline)) {
-        // The place of an input that is not where the pipeline lies is the other one.
+        // An input that does not lie beside the pipeline is at its other place.
         const PathPattern pattern(
             place.writes || place.found || place.tried_at.empty() ? place.path : place.tried_at);
         fs::path path = pattern.text(), file;
@@ -86,7 +86,7 @@ std::vector<FarmPath> paths_of(const Pipeline& pipeline, const std::string& work
     return out;
 }
 
-/// A name that the same command gives to the same job, and another one to another.
+/// A name that is the same for the same command, and differs for other commands.
 std::string name_of(const FarmJob& job, const FarmCommand& command,
                     const std::vector<RunStep>& steps) {
     ContentHash hash;
@@ -121,7 +121,7 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
                                  const RunRequest& request, const FarmChunking& chunking,
                                  const FarmCommand& command) {
     Report report(pipeline);
-    // Without the work folder no input is hashed: the steps are the same, whatever is in it.
+    // Without the work folder no input is hashed. The steps do not depend on its content.
     auto uncached = request;
     uncached.options.cache = false;
     const Preparation prepared(pipeline, registry, uncached, report);

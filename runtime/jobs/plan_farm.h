@@ -16,16 +16,16 @@ struct FarmCommand {
     std::vector<std::pair<std::string, std::string>> environment;
     std::vector<std::string> prefix;    ///< words before the program
     std::string executable;             ///< the program
-    std::vector<std::string> pipeline;  ///< words after it: `run`, the pipeline and what is set in
-                                        ///< it; they give the job its name
+    std::vector<std::string> pipeline;  ///< words after it: `run`, the pipeline and its settings;
+                                        ///< they determine the job's name
     std::vector<std::string> options;   ///< words after these
-    std::string again;                  ///< the command that makes the job again, for a shell
+    std::string again;                  ///< the shell command that makes the job again
 };
 
-/// Makes a job of a run: its steps, cut into tasks. Looks at the inputs as `plan` does, and prints
-/// what is wrong with them.
+/// Makes a job of a run: its steps, cut into tasks. Checks the inputs as `plan` does, and prints
+/// their faults.
 /// @param request  its work folder is absolute
-/// @return nothing if something is wrong
+/// @return nothing if there are faults
 std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& registry,
                                  const RunRequest& request, const FarmChunking& chunking,
                                  const FarmCommand& command);

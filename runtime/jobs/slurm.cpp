@@ -122,7 +122,7 @@ echo "logs:      $here/logs"
 echo "cancel:    scancel ${ids[*]}"
 )sh";
 
-/// What a step does, and how much of it there is, as a comment.
+/// The purpose of a step, and its number of tasks, as a comment.
 std::string comment_of(const FarmStep& step) {
     std::size_t frames = 0;
     for (const auto& task : step.tasks) frames += task.frames.frames().size();

@@ -10,8 +10,8 @@ namespace fluidcarve {
 
 /// A job as batch scripts for Slurm: one for each step, `STEP.sbatch`, and `submit`, which hands
 /// them to sbatch. A step is an array with a task for each chunk of frames; it starts once all
-/// tasks of the steps that it needs have ended well, and is cancelled when that can't be any more.
-/// A task that fails is started again twice, one whose machine fell out as often as that happens.
+/// tasks of the steps that it needs have succeeded, and is cancelled when that becomes impossible.
+/// A task that fails is restarted twice, a task whose machine fails every time.
 std::vector<JobFile> slurm_files(const FarmJob& job);
 
 /// Why the job can't be submitted: there is no sbatch.

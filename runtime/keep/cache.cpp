@@ -229,7 +229,7 @@ bool Cache::store(const Key& key, Json header, const std::vector<Payload>& outpu
         for (const auto& part : parts) hash.bytes(part.data(), part.size());
         append(seal, hash.digest());
         parts.emplace_back(seal);
-        // What has a file stays in it: a file is found before a record.
+        // An entry that has a file stays in it: a file is found before a record.
         if (head.size() + body.size() + seal.size() <= packed_ &&
             access(path_of(key).c_str(), F_OK) != 0) {
             std::vector<char> record;

@@ -53,23 +53,23 @@ public:
     /// Writes an entry.
     /// @return false if it can't be written; later calls then store nothing, and `fault` says why
     bool store(const Key& key, nlohmann::ordered_json header, const std::vector<Payload>& outputs);
-    /// To be called when nothing more is stored. What the system has lost of it is then a fault.
+    /// Call it after the last store. Data that the system has lost becomes a fault.
     void finish();
     std::string fault() const;
-    /// Why entries that may be there are not found: what the system refused first, with the path.
-    /// Empty: nothing.
+    /// Why existing entries may not be found: the first error of the system, with the path. Empty:
+    /// none.
     std::string unread() const;
     /// Number of damaged entries found so far.
     std::size_t damaged() const { return damaged_ + packs_.damaged(); }
 
-    /// What `trim` removed.
+    /// The result of `trim`.
     struct Trimmed {
         std::size_t files = 0;              ///< entries and packs
         std::uint64_t bytes = 0, left = 0;  ///< bytes of removed files, and of those that remain
     };
-    /// Removes the least recently used entries, a pack as one, until at most `most_bytes` are left,
-    /// and what is outdated (WorkFolder). Removes nothing from a folder that is no work folder of
-    /// fluidcarve.
+    /// Removes the least recently used entries, a pack as one, until at most `most_bytes` are
+    /// left, and what is outdated (WorkFolder). Removes nothing from a folder that is not a work
+    /// folder of fluidcarve.
     Trimmed trim(std::uint64_t most_bytes) const;
 
 private:
@@ -82,7 +82,7 @@ private:
     /// Reads a whole entry and checks every byte; a damaged entry is removed.
     std::optional<Read> read(const Key& key);
     void remove_damaged(const Key& key);
-    /// Takes note of an error of the system; nothing for none, and for what is not there.
+    /// Records an error of the system. Ignores 0 and missing files.
     void note(const Key& key, int error) const;
 
     const Registry& registry_;

@@ -13,28 +13,28 @@
 
 namespace fluidcarve {
 
-/// Paths of the files that a node reads for a frame, given by its number: those that its parameters
-/// name, and its Further::files.
+/// Paths of the files that a node reads for a frame number: those that its parameters name, and
+/// its Further::files.
 std::vector<std::string> named_files(const Node& node, int frame);
 
 /// What the results of a pipeline's nodes depend on. Cache keys are hashes of it (Keys), and by it
 /// a run can say what changed since the last one (History). Thread-safe.
 class Dependencies {
 public:
-    /// A parameter. Paths are no dependencies: what is in the files counts.
+    /// A parameter. Paths do not count as dependencies; the content of the files does.
     struct Param {
         std::string name, text;
         /// The part that belongs to the cache key: all of it, except the count of a growing result
         /// (Growth::rest); nothing of Growth::best_effort.
         std::optional<std::string> rest;
     };
-    /// A connected input; one of a list is a dependency of its own.
+    /// A connected input; each connection of a list is one Input.
     struct Input {
         std::string name, link_name;  ///< names of the port, and of the link at a named input
         std::size_t source = 0;       ///< the node that it reads
         std::string output;  ///< name of the source's output, or of the part of its first one
     };
-    /// What does not differ from frame to frame.
+    /// Dependencies that are the same in all frames.
     struct OfNode {
         std::string type;
         int version = 1;

@@ -33,9 +33,10 @@ T number_at(const char* data) {
 }
 
 /// Opens an entry for reading.
-/// @return below 0: the error, -ENOENT too if it is no regular file, or lies outside of --confine
+/// @return below 0: the error, -ENOENT also if it is not a regular file, or lies outside of
+///   --confine
 int open_entry(const std::string& path);
-/// Reads so many bytes. @return whether they are there
+/// Reads `size` bytes. @return false if there are fewer
 bool read_entry(int file, char* into, std::size_t size);
 
 /// The header in the first bytes of an entry; nothing if it or the size is wrong.

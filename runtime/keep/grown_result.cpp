@@ -18,7 +18,7 @@ std::optional<GrownResult> GrownResult::in(const Json& header) {
     const auto found = header.find("extent");
     if (found == header.end()) return std::nullopt;
     const Extent extent{found->at("count").get<std::size_t>(), found->at("of").get<std::size_t>()};
-    // Without a size it counts as no smaller than any other.
+    // Without a size it counts as the largest.
     return GrownResult{extent, header.value("size", std::numeric_limits<std::uint64_t>::max()),
                        header.contains("part"), header.contains("exhausted")};
 }

@@ -10,25 +10,25 @@
 
 namespace fluidcarve {
 
-/// How much of a growing result (Growth) there is. The header of a cached one says it.
+/// The extent of a growing result (Growth), as the header of a cached one states it.
 struct GrownResult {
     Extent extent;
     std::uint64_t bytes = 0;  ///< size in memory
     bool part = false;        ///< its node was still working on it
     bool exhausted = false;   ///< there are no more items (Growth::exhausted)
 
-    /// What a header says; nothing if the entry holds no growing result.
+    /// Reads a header; nothing if the entry holds no growing result.
     static std::optional<GrownResult> in(const nlohmann::ordered_json& header);
     /// Adds {"size", "extent": {"count", "of"}, "part"?, "exhausted"?} to a header.
     void describe(nlohmann::ordered_json& header) const;
 
-    /// Whether it holds all that the node wants, or all there is if that is enough
+    /// Whether it holds all that the node wants, or all that exists if that is enough
     /// (Growth::best_effort).
     bool enough_for(const Node& node) const;
-    /// Whether it is complete and holds exactly what the node wants, so that neither its report
-    /// entry nor its warnings speak of more.
+    /// Whether it is complete and holds exactly what the node wants, so that its report entry and
+    /// its warnings mention no more.
     bool fits(const Node& node) const;
-    /// Whether nothing is gained if the other result takes its place.
+    /// Whether it holds at least as much as another result.
     bool holds(const GrownResult& other) const;
 };
 
@@ -36,11 +36,11 @@ struct GrownResult {
 bool takes_fewer(const Node& node);
 
 /// Cuts a growing result, its report entry and its warnings to what the node wants.
-/// @param all  how much the result holds; enough
+/// @param all  what the result holds; must be enough
 void cut(const Node& node, const GrownResult& all, Payload& result, NodeLog& log);
 
-/// The report entry of a growing result, with which its node goes on; an empty object if there is
-/// none. Such a node reports to one section at most.
+/// The report entry of a growing result, from which its node continues; an empty object if there
+/// is none. Such a node reports to one section at most.
 nlohmann::ordered_json grown_entry(const NodeLog& log);
 
 }  // namespace fluidcarve

@@ -101,7 +101,7 @@ std::vector<std::vector<std::size_t>> readers_of(const Pipeline& pipeline) {
     return out;
 }
 
-/// The number under which the files of a node stand that are the same for all frames.
+/// The key of a node's files that are the same for all frames.
 constexpr auto all_frames = "0";
 
 /// Describes the differences between two states of a node.
@@ -164,8 +164,8 @@ std::vector<std::string> shared_files(const Node& node, std::size_t n,
     return out;
 }
 
-/// The count of a growing result, if it is not why the node runs: nothing is kept that it could be
-/// too large for. Else empty.
+/// The parameter with the count of a growing result, if the node does not run because of it: no
+/// result is kept that could be too small. Else empty.
 std::string idle_count(const Node& node, const std::optional<GrownResult>& grown, const json& was,
                        const json& now) {
     return node.type->growth && !grown && was.value("rest", "") == now.value("rest", "")

@@ -45,7 +45,7 @@ public:
 
 private:
     std::string path_;
-    bool foreign_ = false;  ///< the file at the path may be somebody else's: it is never replaced
+    bool foreign_ = false;  ///< the file at the path may be foreign: it is never replaced
     nlohmann::json nodes_;
 };
 
@@ -57,7 +57,7 @@ struct NodeNow {
 
 /// Why each node runs, in words; empty for nodes that do not run. What changed is listed in the
 /// order of the pipeline: first the nodes upstream, then the node itself. A count is named only if
-/// it is why the node runs: smaller ones are answered by what is kept.
+/// the node runs because of it: kept results answer smaller counts.
 /// @return one text per node
 std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares,
                                  const History& history, const Dependencies& dependencies,

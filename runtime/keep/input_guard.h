@@ -11,8 +11,8 @@
 
 namespace fluidcarve {
 
-/// Sees to it that a run reads one version of each input file: the one that was there when the run
-/// first looked at it and, with a manifest, the one that the manifest lists. Thread-safe.
+/// Ensures that a run reads one version of each input file: the version at the run's first look
+/// and, with a manifest, the version that the manifest lists. Thread-safe.
 class InputGuard {
 public:
     /// @param manifest  null: none
@@ -20,9 +20,10 @@ public:
     ///   when they are read
     InputGuard(Manifest* manifest, const std::vector<std::string>& paths);
 
-    /// Calls a body that reads files. What the body throws passes, unless a file changed meanwhile.
-    /// @throws Failure (input) if a file is another than before, has appeared or is gone, or is not
-    ///   as the manifest lists it
+    /// Calls a body that reads files. Exceptions of the body pass, unless a file changed
+    /// meanwhile.
+    /// @throws Failure (input) if a file has changed, appeared or vanished since the first look,
+    ///   or differs from the manifest
     void read(const std::vector<std::string>& paths, const std::function<void()>& body);
 
 private:
@@ -31,8 +32,8 @@ private:
 
     Manifest* const manifest_;
     std::mutex mutex_;
-    std::map<Key, Key> states_;  ///< hash of a path to the state of the file when it was first
-                                 ///< looked at; zero: there was none
+    std::map<Key, Key> states_;  ///< hash of a path to the state of the file at the first look;
+                                 ///< zero: there was no file
 };
 
 }  // namespace fluidcarve

@@ -103,8 +103,8 @@ Key Keys::kept(std::size_t n, std::size_t place) {
     const auto of = dependencies_.of(n);
     ContentHash hash;
     describe(hash.text("result"), of, nullptr);
-    // Files that state what made them differ from those that do not. The statement itself is not in
-    // the key: it follows from the values that are.
+    // Files that state what made them differ from those that do not. The statement itself is not
+    // in the key: it follows from values that are in it.
     if (!pipeline_.provenance && pipeline_.writes(n)) hash.text(no_provenance);
     // A body that runs once sees the first frame of the sequence.
     hash.number(static_cast<std::uint64_t>(dependencies_.frames().at(place)));
@@ -124,7 +124,7 @@ Key Keys::result(std::size_t n, std::size_t place) {
     if (!node.type->growth) return key;
     ContentHash hash;
     hash.key(key).text(node.type->param(node.type->growth->param)->text(node.params.get()));
-    // What follows from fewer items than wanted is not for those who want all.
+    // Results from fewer items than wanted must not serve runs that want all.
     if (takes_fewer(node)) hash.text("best effort");
     return hash.digest();
 }

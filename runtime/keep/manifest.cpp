@@ -53,7 +53,7 @@ std::string unescaped(std::string_view text) {
     return out;
 }
 
-/// Adds the file of a line to the entries. @return what is wrong with the line; empty: nothing
+/// Adds the file of a line to the entries. @return the fault of the line; empty: none
 std::string add_line(std::string_view line, Manifest::Entries& entries) {
     const auto hash = Key::parse(line.substr(0, hash_digits));
     if (!hash) return fmt::format("it does not begin with a hash of {} hex digits", hash_digits);
@@ -122,7 +122,7 @@ Manifest::Entry read_entry(const std::string& path) {
     return {hash.digest(), file.size()};
 }
 
-/// How a file differs from what is known of it.
+/// How a file differs from a known entry.
 std::string difference(const Manifest::Entry& now, const Manifest::Entry& known) {
     return now.size == known.size ? "its hash differs"
                                   : fmt::format("it has {} bytes and had {}", now.size, known.size);
@@ -161,7 +161,7 @@ private:
             refuse(errno == ELOOP ? "it is a link; remove it" : std::strerror(errno));
         struct stat locked {
         }, there{};
-        // The lock is empty, and removed at the end. What is not may be of others.
+        // The lock is empty, and removed at the end. A file with content may be foreign.
         if (fstat(file_->number, &locked) != 0 || !S_ISREG(locked.st_mode) || locked.st_size != 0)
             refuse("it is no lock of fluidcarve; remove or rename it");
         if (const auto refusal = confinement.refusal_of_open(file_->number); !refusal.empty())

@@ -11,11 +11,11 @@
 namespace fluidcarve {
 
 /// The file of `run --manifest` (runtime/README.md), which lists the content of input files. It
-/// tells a file that rotted on disk, or was replaced, from one that did not. It does not tell a
-/// forged one: hashes are those of ContentHash. Thread-safe.
+/// detects a file that rotted on disk or was replaced, but not a forged one: hashes are those of
+/// ContentHash. Thread-safe.
 class Manifest {
 public:
-    /// What a manifest lists of a file.
+    /// The entry of a file in a manifest.
     struct Entry {
         Key hash;  ///< of all bytes
         std::uint64_t size = 0;
@@ -29,12 +29,12 @@ public:
     ///   and none can be written
     explicit Manifest(std::string path);
 
-    /// Compares what earlier runs know of a file.
+    /// Compares the content of a file as earlier runs know it.
     /// @throws Failure (input) if the manifest lists another content
     void require(const std::string& file, const Entry& known);
     /// Reads a file and compares it, at the first call for the file.
-    /// @throws Failure (input) if it can't be read, or is not as the manifest or, if that does not
-    ///   list it, an earlier run knows it
+    /// @throws Failure (input) if it can't be read, or differs from the manifest's entry or, if
+    ///   there is none, from what an earlier run knows
     void require(const std::string& file);
 
     struct Counts {
@@ -42,8 +42,8 @@ public:
     };
     /// Adds the files that were compared and that the manifest does not list. Other processes may
     /// do so at the same time.
-    /// @throws Failure (input) if one of them met another content of such a file; Failure if the
-    ///   manifest can't be written
+    /// @throws Failure (input) if another process found different content in such a file; Failure
+    ///   if the manifest can't be written
     Counts save();
 
 private:

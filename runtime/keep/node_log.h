@@ -18,7 +18,7 @@ struct NodeLog {
 
 /// {"warnings"?, "report"?}: the header of a cache entry begins so.
 nlohmann::ordered_json to_json(const NodeLog& log);
-/// What the header of a cache entry holds of it.
+/// The warnings and report entries in the header of a cache entry.
 NodeLog log_in(const nlohmann::ordered_json& header);
 
 }  // namespace fluidcarve

@@ -28,13 +28,13 @@ constexpr std::string_view pack_magic{"fluidcarve pack\n", 16};
 constexpr auto closed = ".pack", opened = ".open";
 constexpr std::size_t name_digits = 32;
 
-/// What stands before the bytes of each record. A pack consists of records.
+/// The head of each record, before its bytes. A pack consists of records.
 struct RecordHead {
     std::array<char, 16> magic;
     Key key;
     std::uint64_t size, written;  ///< as in Packs::Place
     Key sum;                      ///< of the bytes
-    Key seal;                     ///< of all before
+    Key seal;                     ///< checksum of all members before
 };
 static_assert(sizeof(RecordHead) == 16 + 16 + 8 + 8 + 16 + 16);
 
@@ -262,7 +262,7 @@ bool Packs::claim(std::size_t n) {
     if (std::rename(free.c_str(), mine.c_str()) != 0) return false;
     own_file_ = open(mine.c_str(), O_RDWR | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
     own_ = n;
-    // Another process may have gone on with it since it was scanned. Nothing is appended behind
+    // Another process may have appended to it since it was scanned. Nothing is appended behind
     // damaged records.
     if (own_file_ >= 0) scan(n, own_file_);
     const auto size = own_file_ < 0 ? 0 : size_of(own_file_);

@@ -14,18 +14,18 @@
 
 namespace fluidcarve {
 
-/// Small records of a folder, found by their keys. They lie many to a file, a pack, so that a
-/// sequence of thousands of frames makes some files and not one for each fact. Any number of
-/// processes may share the folder without locks: only one at a time appends to a pack, and readers
-/// take a record only if its head and its end are there. So a process that is killed leaves whole
+/// Small records of a folder, found by their keys. Many records lie in one file, a pack, so that a
+/// sequence of thousands of frames makes a few files, not one per record. Any number of processes
+/// may share the folder without locks: only one at a time appends to a pack, and readers accept a
+/// record only if its head and its end are complete. So a process that is killed leaves whole
 /// records, or none.
 ///
 /// A pack is called `HEX.open` while a process appends to it, then `HEX.pack`, with 32 random
-/// digits. A process that has something to append goes on with a pack that is not full, which it
-/// claims by renaming it. What a killed process left open is only read. Thread-safe.
+/// digits. A process that appends continues a pack that is not full, which it claims by renaming
+/// it. A pack that a killed process left open is only read. Thread-safe.
 class Packs {
 public:
-    /// Bytes from which on nothing is appended to a pack.
+    /// Size in bytes from which on nothing is appended to a pack.
     static constexpr std::uint64_t full = std::uint64_t{16} << 20;
 
     /// @param folder  where the packs are; empty: nothing is kept
@@ -37,8 +37,8 @@ public:
     /// The newest record of a key, with every byte intact; nothing if there is none, or it is
     /// damaged. Records that other processes append after the first call may stay unseen.
     std::optional<std::vector<char>> read(const Key& key);
-    /// Makes the next call find what other processes have appended since. What this process appends
-    /// goes on in another pack.
+    /// Makes the next call find what other processes have appended since. This process then
+    /// appends to another pack.
     void look_again();
     /// Appends a record, which takes the place of earlier ones of its key.
     /// @throws Failure if it can't be written
@@ -46,14 +46,14 @@ public:
     /// Closes the pack that this process appends to.
     /// @throws Failure if the system has lost a part of it
     void finish();
-    /// Takes the record of a key for missing until another is added.
+    /// Treats the record of a key as missing until another is added.
     void drop(const Key& key);
     /// Marks the pack with the record of a key as used now, once for each pack.
     void touch(const Key& key);
     /// Number of damaged records that `read` found.
     std::size_t damaged() const;
-    /// Why records that may be there are not found: what the system refused first, with the path.
-    /// Empty: nothing.
+    /// Why existing records may not be found: the first error of the system, with the path. Empty:
+    /// none.
     std::string unread() const;
 
     /// Whether a file of this name is a pack, if it begins as one.
@@ -64,7 +64,7 @@ public:
 private:
     struct Pack {
         std::string name;       ///< 32 digits
-        std::uint64_t end = 0;  ///< bytes up to the end of the last record that is known
+        std::uint64_t end = 0;  ///< bytes up to the end of the last known record
         bool touched = false;
     };
     /// Where the newest record of a key is.
@@ -88,7 +88,7 @@ private:
     void scan(std::size_t pack, int file);
     /// Opens a pack that may just be renamed. @return below 0: the error, -ENOENT if it is gone
     int open_pack(const Pack& pack) const;
-    /// Takes note of an error of the system; nothing for none, and for what is not there.
+    /// Records an error of the system. Ignores 0 and missing files.
     void note(const std::string& path, int error);
     /// Finds a pack to append to, or makes one. @throws Failure
     void begin_own();

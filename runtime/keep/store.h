@@ -15,9 +15,9 @@
 
 namespace fluidcarve {
 
-/// The results of a pipeline's nodes, found by node and frame: the store knows which entry of the
-/// Cache is whose, and whether it still serves. It holds results of former runs and of this one.
-/// Thread-safe.
+/// The results of a pipeline's nodes, found by node and frame: the store knows the entry of each
+/// result in the Cache, and whether it is still valid. It holds results of former runs and of this
+/// one. Thread-safe.
 /// A `place` is an index in the sequence of frames; it is ignored for nodes that deliver once.
 class Store {
 public:
@@ -44,10 +44,10 @@ public:
     /// Cached outputs; nothing if they are missing or damaged.
     std::optional<std::vector<Payload>> result(std::size_t node, std::size_t place);
     std::optional<Payload> digest(std::size_t node, std::size_t place);
-    /// The cached part of a growing result, though too small, and its report entry.
+    /// The cached part of a growing result, which may be too small, and its report entry.
     std::optional<std::pair<Payload, nlohmann::ordered_json>> part(std::size_t node);
 
-    /// Caches the outputs of a body if the node is cached, and its log.
+    /// Caches the log of a body, and its outputs if the node is cached.
     void keep(std::size_t node, std::size_t place, const std::vector<Payload>& outputs,
               const NodeLog& log);
     void keep_digest(std::size_t node, std::size_t place, const Payload& digest,
@@ -73,7 +73,7 @@ private:
     };
     /// A cached result; a growing one is cut to the wanted count.
     std::optional<Whole> whole(std::size_t node, std::size_t place);
-    /// What an entry says of itself.
+    /// The header of an entry.
     nlohmann::ordered_json header_of(const NodeLog& log) const;
     void keep_files(std::size_t node, std::size_t place, const NodeLog& log);
 

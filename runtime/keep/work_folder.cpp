@@ -56,14 +56,14 @@ std::vector<fs::path> files_in(const fs::path& folder, int depth) {
     return out;
 }
 
-/// Files that are named by a key (Key::path), which no temporary one is.
+/// Files named by a key (Key::path); temporary files are not.
 std::vector<fs::path> hashed_files(const fs::path& folder) {
     auto out = files_in(folder, 1);
     std::erase_if(out, [](const fs::path& file) { return !is_hex(file.filename().string(), 30); });
     return out;
 }
 
-/// Files that are named as packs are.
+/// Files with the name of a pack.
 std::vector<fs::path> pack_files(const fs::path& folder) {
     auto out = files_in(folder, 0);
     std::erase_if(out,
@@ -101,8 +101,8 @@ bool is_record(const fs::path& file, bool run) {
     });
 }
 
-/// What fluidcarve wrote into the folder of a farm's job: what its tasks say, logs of the local
-/// engine, which begin with a command, and the job, which comes last.
+/// Files that fluidcarve wrote into the folder of a farm's job: records of its tasks, logs of the
+/// local engine, which begin with a command, and the job, which comes last.
 std::vector<fs::path> files_of_job(const fs::path& folder) {
     std::vector<fs::path> out;
     for (const auto& file : files_in(folder / "tasks", 0))

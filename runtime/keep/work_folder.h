@@ -10,8 +10,8 @@
 namespace fluidcarve {
 
 /// The folder that keeps results between runs. It bears a mark, a file CACHEDIR.TAG, if fluidcarve
-/// made it. Nothing is ever removed from a folder without the mark, and from one with it only files
-/// that fluidcarve wrote: by their names and their first bytes.
+/// made it. Nothing is ever removed from a folder without the mark. From a folder with it, only
+/// files are removed that fluidcarve wrote, recognised by name and first bytes.
 class WorkFolder {
 public:
     explicit WorkFolder(std::string path) : path_(std::move(path)) {}
@@ -19,10 +19,10 @@ public:
     /// Makes the folder and marks it if it is missing or empty. @throws Failure if it can't be made
     void make() const;
     bool marked() const;
-    /// Why nothing tells what is in the folder: it, or a part of it, is there and can't be listed.
-    /// Empty: it can, or is not there.
+    /// Why the content of the folder is unknown: it, or a part of it, exists and can't be listed.
+    /// Empty: it can, or does not exist.
     std::string unread() const;
-    /// What keeps fluidcarve from removing files in the folder, with the remedy; empty: nothing, or
+    /// Why fluidcarve must not remove files in the folder, with the remedy; empty: it may, or
     /// there is no folder.
     std::string fault() const;
     /// Why nothing may be kept in the folder: a part of it is a link. Empty: none is.
@@ -38,7 +38,7 @@ public:
         std::filesystem::file_time_type used;
         std::uint64_t size = 0;  ///< bytes
     };
-    /// All files with cached results, by their names. A file of another form is none.
+    /// All files with cached results, by their names. Files of another form do not count.
     std::vector<Entry> entries() const;
     /// Packs of hashes of input files that were not used for 30 days, and temporary files of killed
     /// runs that are older than a day.
@@ -46,21 +46,21 @@ public:
     /// Whether a file begins as a cached result or a pack does.
     static bool is_entry(const std::filesystem::path& file);
 
-    /// What `clean` is to remove.
+    /// The files that `clean` removes.
     struct Cleaning {
-        /// Only what was not used for so long; nothing: all.
+        /// Only files not used for so long; nothing: all.
         std::optional<std::chrono::seconds> older{};
         bool dry_run = false;  ///< only counts
-        /// Only what a run of this shot made (shot_of); results of up to 64 KB stay.
+        /// Only results of runs of this shot (shot_of); results of up to 64 KB stay.
         std::optional<std::string> shot{};
     };
-    /// What `clean` did, or would do.
+    /// The result of `clean`.
     struct Cleaned {
         std::size_t removed = 0;  ///< files
         std::uint64_t bytes = 0;  ///< of these
         std::size_t kept = 0;     ///< files that are too new
         std::size_t apart = 0;    ///< files of other shots, or of several
-        std::size_t left = 0;     ///< files of others, which stay
+        std::size_t left = 0;     ///< foreign files, which stay
     };
     /// Removes files that fluidcarve wrote, and folders that are then empty.
     /// @throws Failure if one can't be removed

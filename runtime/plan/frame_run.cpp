@@ -25,7 +25,7 @@ Wiring wire(const Pipeline& pipeline, const Pass& pass) {
     for (const auto unit : out.units) {
         std::set<std::size_t> distinct;
         const bool gathers = std::ranges::find(pass.gathering, unit) != pass.gathering.end();
-        // One that retimes delivers by what it took in an earlier pass.
+        // A node that retimes delivers from frames that it took in an earlier pass.
         if (pipeline.nodes[unit].retimes() && !gathers) continue;
         for (const auto& links : pipeline.nodes[unit].inputs)
             for (const auto& link : links)

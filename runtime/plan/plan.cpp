@@ -12,8 +12,8 @@
 namespace fluidcarve {
 namespace {
 
-/// Marks in `flags` the per-frame nodes that `node` needs in its pass. One that retimes has taken
-/// all its frames in an earlier pass.
+/// Marks in `flags` the per-frame nodes that `node` needs in its pass. A node that retimes has
+/// taken all its frames in an earlier pass.
 void mark_upstream(const Pipeline& pipeline, std::size_t node, std::vector<bool>& flags) {
     for (const auto& links : pipeline.nodes[node].inputs)
         for (const auto& link : links)

@@ -57,13 +57,13 @@ private:
         }
     }
 
-    /// A node to be scheduled. Each leads to those that it needs.
+    /// A node to be scheduled. Its visit adds the nodes that it needs.
     struct Visit {
         enum Kind { once, frame, gather, take_all, take } kind;
         std::size_t node, place = 0, pass = 0;
     };
 
-    /// Schedules a node, and then what it needs, in depth-first order. It has a list of its own,
+    /// Schedules a node, and then the nodes that it needs, in depth-first order. It uses a list,
     /// since pipelines may be deeper than the program's stack.
     void work(const Visit& first) {
         later(first);
@@ -105,8 +105,8 @@ private:
         if (!pipeline_.nodes[n].retimes()) inputs(n, place, pass);
     }
 
-    /// A writer states checksums of results upstream: it needs them, also where all that it reads
-    /// is cached.
+    /// A writer states checksums of results upstream: it needs these results even if all its
+    /// inputs are cached.
     void checksummed(std::size_t n) {
         for (const auto& link : pipeline_.nodes[n].checksummed) later({Visit::once, link.node});
     }

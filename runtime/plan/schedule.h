@@ -26,7 +26,7 @@ struct Known {
 
 /// What each node will do in each frame of a run.
 struct Schedule {
-    /// How the run comes by a result.
+    /// How the run obtains a result.
     enum class Action : char {
         none,
         run,
@@ -47,7 +47,7 @@ struct Schedule {
         bool reads(std::size_t node) const {
             return results[node] == Action::run || consumes[node] == Consume::inputs;
         }
-        /// Whether a node computes something, and does not only load what is cached.
+        /// Whether a node computes something, instead of only loading cached results.
         bool computes() const;
         /// Whether no node does anything.
         bool empty() const;

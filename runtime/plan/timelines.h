@@ -34,7 +34,7 @@ public:
 private:
     std::vector<int> frames_;
     std::vector<Line> lines_;                     ///< each once
-    std::vector<std::size_t> taken_, delivered_;  ///< per node: which of the lines
+    std::vector<std::size_t> taken_, delivered_;  ///< per node: index in `lines_`
 };
 
 }  // namespace fluidcarve

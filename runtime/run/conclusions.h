@@ -7,8 +7,8 @@
 
 namespace fluidcarve {
 
-/// Lets each node whose frames are all known conclude from what it reported of them
-/// (NodeType::conclude). Called once, after the last node has run.
+/// Calls NodeType::conclude of each node whose frames are all known, with its reports of them.
+/// Called once, after the last node has run.
 /// @param shares  one per node
 void conclude(const Pipeline& pipeline, const Timelines& timelines,
               const std::vector<Share>& shares, Report& report);

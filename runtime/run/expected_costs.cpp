@@ -6,7 +6,7 @@ namespace fluidcarve {
 namespace {
 
 /// Items that a growing result lacks.
-/// @param measured  at an earlier time; says of how many a count is a part, if nothing is kept
+/// @param measured  from an earlier run; gives Extent::of if nothing is kept
 std::size_t items_to_find(const Node& node, const std::optional<GrownResult>& kept,
                           const std::optional<WorkTime>& measured) {
     if (!node.type->growth) return 0;
@@ -61,8 +61,7 @@ double expected_seconds(const NodeCost& cost, const Calls& calls, bool& known) {
           std::pair(Work::once, std::size_t{calls.once ? 1U : 0U})}) {
         if (times == 0) continue;
         if (cost[work]) out += static_cast<double>(times) * cost[work]->seconds;
-        // What is loaded was computed before, so that its time is known to be short, if not
-        // measured.
+        // Loading takes little time, even if it was never measured.
         else if (work != Work::load) known = false;
     }
     return out;

@@ -10,8 +10,8 @@
 
 namespace fluidcarve {
 
-/// The costs of each node, as earlier runs measured them, in the setting of this run: so many
-/// threads, bytes, frames and items to find.
+/// The costs of each node, as earlier runs measured them, converted to the setting of this run:
+/// its threads, bytes, frames and items to find.
 /// @param calls  one per node
 std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation& prepared,
                                      const std::vector<Calls>& calls,

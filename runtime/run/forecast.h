@@ -32,10 +32,11 @@ struct Forecast {
     std::string pipeline;
     FrameSet frames, delivered;
     std::vector<Line> lines;   ///< the nodes that the run needs
-    std::vector<Pass> passes;  ///< those in which a node runs
+    std::vector<Pass> passes;  ///< passes in which a node runs
     double seconds = 0;        ///< estimated wall time of the nodes that were measured before
     std::vector<std::string> unmeasured;  ///< nodes without a measured time
-    bool remembers = true;                ///< whether there is a work folder to measure for
+    bool remembers = true;                ///< whether there is a work folder, which stores
+                                          ///< measured times
     /// Per node of the pipeline: its costs in the setting of this run.
     std::vector<NodeCost> expected;
     std::uint64_t bytes = 0;  ///< estimated memory; 0: unknown
@@ -58,7 +59,7 @@ struct NodeWork {
 /// @param input_bytes  of a reader's frame; 0: unknown
 std::uint64_t memory_of(const Node& node, const NodeCost& cost, const NodeWork& work,
                         std::uint64_t input_bytes, const RunOptions& options);
-/// Estimated bytes that a node writes: what it keeps in the work folder, or its files.
+/// Estimated bytes that a node writes: its results in the work folder, or its files.
 std::uint64_t disk_of(const Node& node, const NodeCost& cost, const NodeWork& work,
                       std::uint64_t input_bytes);
 

@@ -11,20 +11,19 @@
 
 namespace fluidcarve {
 
-/// What readers say of their outputs, carried on to the nodes that will receive them: names of
-/// grids, and sizes of pictures. What no declaration carries on is not known.
+/// Facts of readers about their outputs, passed on to the nodes that will receive them: names of
+/// grids, and sizes of pictures. They are passed on only as declarations state.
 class Foresight {
 public:
     explicit Foresight(const Pipeline& pipeline);
 
-    /// Takes down what a reader says. @param frame  frame number; of a static reader, any
+    /// Records a fact of a reader. @param frame  frame number; of a static reader, any
     void deliver(std::size_t node, int frame, std::string_view output, Foreseen what);
-    /// What an input will receive by its only connection, as a whole; null: not known.
+    /// Facts about the whole payload that an input will receive by its only connection; null:
+    /// unknown.
     const Foreseen* receives(std::size_t node, int frame, std::string_view input) const;
-    /// Carries on what is known of a node's inputs to its outputs. To be called for all nodes in
-    /// order.
-    /// @return a message, if the node lays pictures of different sizes over each other; empty: it
-    ///   does not
+    /// Passes facts about a node's inputs on to its outputs. Call it for all nodes in order.
+    /// @return a message if the node combines pictures of different sizes; else empty
     std::string carry(std::size_t node, int frame);
 
 private:

@@ -11,7 +11,7 @@
 namespace fluidcarve {
 namespace {
 
-/// Collects what one node says of its files, or of what it will receive.
+/// Collects what one node states about its files, or about its future inputs.
 class SurveyOf : public Survey {
 public:
     /// @param needed  frames that the run will read; nothing: all
@@ -79,7 +79,7 @@ std::vector<OutputNames> wanted_outputs(const Pipeline& pipeline, const std::vec
     return out;
 }
 
-/// Which frames of a node the run needs; nothing: all.
+/// The frames of a node that the run needs; nothing: all.
 std::optional<FrameSet> frames_needed(const Pipeline& pipeline, const Plan& plan, std::size_t n,
                                       const std::optional<FrameSet>& deliver) {
     const auto& node = pipeline.nodes[n];
@@ -87,7 +87,7 @@ std::optional<FrameSet> frames_needed(const Pipeline& pipeline, const Plan& plan
                                                                              : std::nullopt;
 }
 
-/// Adds what a survey found missing.
+/// Adds the faults of missing files that a survey found.
 void add_missing(const Node& node, const SurveyOf& of, std::vector<Fault>& out) {
     for (const auto& [frame, message] : of.lost)
         if (of.needs(frame))
@@ -96,8 +96,7 @@ void add_missing(const Node& node, const SurveyOf& of, std::vector<Fault>& out) 
                                    message, Failure::Kind::input));
 }
 
-/// Carries what readers said through the pipeline, and asks the other nodes whether they can work
-/// with it.
+/// Passes the facts of readers through the pipeline, and lets the other nodes check them.
 void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<FrameSet>& deliver,
                 Foresight& foresight, Inputs& out) {
     if (out.timelines.frames().empty()) return;
@@ -124,8 +123,8 @@ void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<
     }
 }
 
-/// The node whose first output has the parts of a link's payload, by name: the way back through
-/// nodes whose volumes have the grids of an input (Declare::names_as). Nothing if it leads to an
+/// The node whose first output has the parts of a link's payload, by name: follows nodes whose
+/// volumes have the grids of an input (Declare::names_as) upstream. Nothing if it arrives at an
 /// output that is only a part itself.
 std::optional<std::size_t> source_of(const Pipeline& pipeline, Link link) {
     while (link.output == 0) {
@@ -142,8 +141,8 @@ std::optional<std::size_t> source_of(const Pipeline& pipeline, Link link) {
     return std::nullopt;
 }
 
-/// Per node: the parts of its first output that nodes of the run take, straight or from what other
-/// nodes make of it.
+/// Per node: the parts of its first output that nodes of the run take, directly or from nodes that
+/// pass these on.
 std::vector<std::vector<Pick>> picks_of(const Pipeline& pipeline, const std::vector<bool>& needed) {
     std::vector<std::vector<Pick>> out(pipeline.nodes.size());
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {

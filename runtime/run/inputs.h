@@ -14,16 +14,16 @@
 
 namespace fluidcarve {
 
-/// What the readers of a run say of their files before it starts, and what follows from it for
-/// other nodes.
+/// Facts of a run's readers about their files before the run, and the consequences for other
+/// nodes.
 struct Inputs {
     Timelines timelines;         ///< the frames of each node, without those that readers leave out
     std::vector<Fault> missing;  ///< files and grids that are missing or unreadable
-    /// Pictures of different sizes that meet in a node, which no body finds.
+    /// Pictures of different sizes that meet in a node; bodies do not check this.
     std::vector<Fault> clashes;
     /// Per node: frame to the frame whose file it uses instead of its own.
     std::map<std::size_t, std::map<int, int>> stand_ins;
-    /// So far as readers tell.
+    /// Regions of outputs, as far as readers state them.
     ReadRegions regions;
     /// Largest frame of a reader in memory, estimated from its file; 0: unknown.
     std::uint64_t frame_bytes = 0;

@@ -13,7 +13,7 @@
 namespace fluidcarve {
 namespace {
 
-constexpr std::array errors{SIGPIPE, SIGXFSZ};  ///< what fails instead tells them
+constexpr std::array errors{SIGPIPE, SIGXFSZ};  ///< the failing call reports them instead
 
 std::atomic<pthread_t> watcher;
 
@@ -35,8 +35,8 @@ Interrupt::Interrupt(std::string last_words, int grace_ms)
       grace_ms_(grace_ms) {
     for (const int number : errors) std::signal(number, SIG_IGN);
     // Signals are blocked in this thread, and so in all threads that it starts later. Only the
-    // watcher waits for them, without a descriptor, of which there may be no more. A thread that
-    // was there before hands on those that it gets.
+    // watcher waits for them. It uses no descriptor, since none may be left. A thread that existed
+    // before forwards the signals that it gets.
     const auto set = stop_signals();
     pthread_sigmask(SIG_BLOCK, &set, nullptr);
     thread_ = std::thread([this] { watch(); });
@@ -72,7 +72,7 @@ void Interrupt::watch() {
         if (number < 0 && errno == EINTR) continue;
         if (asked_) {
             OutputFile::remove_unfinished();
-            // Past stdio: another thread may hold its lock for ever.
+            // Bypasses stdio: another thread may hold its lock for ever.
             [[maybe_unused]] const auto told =
                 write(STDERR_FILENO, last_words_.data(), last_words_.size());
             _exit(exit_code::interrupted);

@@ -8,11 +8,11 @@ namespace fluidcarve {
 
 /// Handles SIGINT (Ctrl-C), SIGTERM and, unless it is ignored (nohup), SIGHUP during its lifetime.
 /// The first signal asks the run to stop. After a time of grace, or at the second signal, the
-/// process removes unfinished files and exits with code 130. Writing into a closed pipe or beyond a
-/// file size limit fails with an error in place of a signal. There is one at a time.
+/// process removes unfinished files and exits with code 130. Writing into a closed pipe or beyond
+/// a file size limit fails with an error in place of a signal. Only one may exist at a time.
 class Interrupt {
 public:
-    /// @param last_words  told on stderr by a process that exits at once; empty: nothing
+    /// @param last_words  printed to stderr by a process that exits at once; empty: nothing
     /// @param grace_ms    milliseconds that the run has to stop by itself
     explicit Interrupt(std::string last_words, int grace_ms = 800);
     ~Interrupt();

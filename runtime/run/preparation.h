@@ -17,13 +17,13 @@
 
 namespace fluidcarve {
 
-/// All that is known of a run before it starts: the plan, what the readers say of their files, and
-/// which results are cached.
+/// All that is known of a run before it starts: the plan, the readers' facts about their files,
+/// and which results are cached.
 class Preparation {
 public:
     /// Looks at the input files. Warnings go to the report.
     /// @param request   its target must have no fault
-    /// @param manifest  what the input files are to hold; null: nothing is known
+    /// @param manifest  the expected content of the input files; null: none
     Preparation(const Pipeline& pipeline, const Registry& registry, const RunRequest& request,
                 Report& report, Manifest* manifest = nullptr);
 
@@ -41,14 +41,13 @@ public:
     /// Per place: whether the run reads the node's files.
     std::vector<bool> reads(std::size_t node) const;
     const Dependencies& dependencies() const { return dependencies_; }
-    /// Files that are not as the manifest lists them, so far as the content is known without
-    /// reading them: with the cache.
+    /// Files that differ from the manifest. Without the cache they are not compared here.
     const std::vector<Fault>& unlike_manifest() const { return unlike_manifest_; }
     Cache& cache() { return cache_; }
     Store& store() { return store_; }
     InputGuard& guard() { return guard_; }
 
-    /// Why nothing is kept of what follows from an input file: its content could not be read when
+    /// Why results that depend on an input file are not cached: its content could not be read when
     /// the run began. Empty: all contents are known.
     std::string fault_of_contents();
 

@@ -14,8 +14,8 @@ namespace {
 
 constexpr auto between_looks = std::chrono::milliseconds(500);
 
-/// Why a node's results should be there, and what makes them; empty: they are there, or the run may
-/// make them.
+/// Why a node's results should exist, and what makes them; empty: they exist, or the run may make
+/// them.
 std::string lack_of(const Pipeline& pipeline, std::size_t n, const Plan& plan, const Share& share,
                     const RunRequest& request) {
     const auto& node = pipeline.nodes[n];

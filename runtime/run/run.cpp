@@ -55,7 +55,7 @@ void try_outputs(const Pipeline& pipeline, const std::vector<Share>& shares, int
     }
 }
 
-/// Whether all that was to do is done, so that there is nothing left to interrupt.
+/// Whether all work is done, so that nothing is left to interrupt.
 bool all_done(const Report& report, const std::vector<Share>& to_do) {
     const auto done = report.done();
     for (std::size_t n = 0; n < to_do.size(); ++n)
@@ -74,8 +74,8 @@ int exit_of(const Report& report, bool cancelled, bool stopped) {
     return only_inputs ? exit_code::input : exit_code::node_failed;
 }
 
-/// Why a task of a farm can't begin: it does not see the folder of its job, so that it would not
-/// see the results of others. Empty: it does.
+/// Why a task of a farm can't begin: it does not see the folder of its job, and so would not see
+/// the results of other tasks. Empty: it does.
 std::string fault_of_task_folder(const RunRequest& request,
                                  const std::function<bool()>& cancelled) {
     const auto folder =
@@ -95,9 +95,9 @@ std::string fault_of_task_folder(const RunRequest& request,
         request.task, folder);
 }
 
-/// Reports a failure if results that `--to` asks for, which lie in the work folder alone, are not
-/// there.
-/// @return whether they are
+/// Reports a failure if results that `--to` asks for, which only the work folder holds, are
+/// missing.
+/// @return whether they exist
 bool keeps_what_was_asked(const Pipeline& pipeline, Preparation& prepared,
                           const RunRequest& request, Report& report) {
     if (request.target.to.empty() || !request.options.cache) return true;
@@ -144,7 +144,7 @@ void remember_costs(const Pipeline& pipeline, const Preparation& prepared, const
     history.save();
 }
 
-/// Whether the system grants the threads of a run; says so if it does not.
+/// Whether the system grants the threads of a run; prints a failure if it does not.
 bool grants_threads(const RunRequest& request) {
     try {
         require_threads(request.options.threads);
@@ -214,7 +214,7 @@ public:
     int run() {
         OutputFile::sync_commits(request_.options.sync);
         if (const auto code = refusal()) return *code;
-        // Their clocks start here: what a task waits for its folder is no time of the run.
+        // Their clocks start here: the time that a task waits for its folder does not count.
         report_.emplace(pipeline_);
         profile_.emplace(pipeline_);
         try {
@@ -232,7 +232,7 @@ public:
     }
 
 private:
-    /// Why the run can't begin, told; nothing: it can.
+    /// Prints why the run can't begin, and returns the exit code; nothing: it can begin.
     std::optional<int> refusal() {
         for (const auto& [what, path] :
              {std::pair("report", request_.report_path), std::pair("page", request_.html_path),
@@ -259,7 +259,7 @@ private:
         return exit_code::input;
     }
 
-    /// Tells what is to be warned of before the run.
+    /// Prints the warnings before the run.
     void warn(const Preparation& prepared) {
         for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n)
             if (prepared.plan().needed[n])
@@ -368,7 +368,7 @@ private:
                             size_text(left), size_text(request_.options.cache_size), fault));
     }
 
-    /// Tells the outcome, and writes what is written of a run. @return the exit code
+    /// Prints the outcome, and writes the reports of a run. @return the exit code
     int end(Preparation& prepared) {
         const auto frames = prepared.delivered_frames();
         int code = this->code();
@@ -388,7 +388,7 @@ private:
     std::string work_folder() const {
         return request_.options.cache ? request_.options.work_folder : std::string();
     }
-    /// The frames that are asked for, at least one.
+    /// The delivered frames, at least one.
     static std::vector<int> delivered(const Preparation& prepared) {
         auto out = prepared.delivered_frames();
         return out.empty() ? prepared.frames() : out;
@@ -402,9 +402,9 @@ private:
     std::optional<Report> report_;
     std::optional<RunProfile> profile_;
     std::optional<Manifest> manifest_;
-    std::string record_;             ///< file of a task of a farm; empty: it is none
-    std::vector<std::string> told_;  ///< warnings that are printed
-    /// The run ended early; had nothing to do; did all that it had to do.
+    std::string record_;             ///< status file of a farm task; empty: the run is not a task
+    std::vector<std::string> told_;  ///< printed warnings
+    /// Whether the run ended early; had nothing to do; did all its work.
     bool stopped_ = true, idle_ = false, whole_ = false;
     std::vector<std::string> written_;   ///< paths
     std::optional<std::size_t> frames_;  ///< number of frames that are written

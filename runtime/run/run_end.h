@@ -15,11 +15,11 @@
 
 namespace fluidcarve {
 
-// What is told and written at the end of a run.
+// Output at the end of a run.
 
 /// Prints failures, warnings, results and times.
 /// @param told  warnings that are already printed
-/// @param done  the last words of a run that is done
+/// @param done  the closing line of a finished run
 void tell_outcome(const Report& report, const RunRequest& request,
                   const nlohmann::ordered_json& summary, const std::vector<std::string>& told,
                   const std::string& done);
@@ -27,7 +27,7 @@ void tell_outcome(const Report& report, const RunRequest& request,
 /// The exit code of a failure.
 int code_of(const Failure& failure);
 
-/// Adds to the manifest what the run read. @return the exit code
+/// Adds the files that the run read to the manifest. @return the exit code
 int save_manifest(Manifest& manifest, const RunRequest& request);
 
 /// Writes the report, the page and the profile, if requested. @return the exit code

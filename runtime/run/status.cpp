@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr double silent_seconds =
-    30;  ///< a run on another machine without an update for so long counts as killed
+    30;  ///< seconds without an update after which a run on another machine counts as killed
 constexpr std::size_t most_ended =
     10;  ///< number of ended runs whose status files stay in the work folder
 
@@ -73,7 +73,7 @@ bool well_formed(const Json& run) {
     return true;
 }
 
-/// What a status file says of the process that writes it.
+/// Adds the process that writes a status file to it.
 void sign(Json& about) {
     about["host"] = host();
     about["pid"] = getpid();
@@ -95,8 +95,8 @@ Json faults_of(const Report& report) {
     return out;
 }
 
-/// How far a node is that gathers: "16/16 frames gathered, 7/12 seams, interrupted"; empty if it
-/// gathers nothing, or has finished.
+/// Progress of a gatherer: "16/16 frames gathered, 7/12 seams, interrupted"; empty if it gathers
+/// nothing, or has finished.
 /// @param state  of the run
 std::string text_of_gathering(const Json& node, const std::string& state) {
     const auto of = node.find("gathering");
@@ -251,7 +251,7 @@ std::vector<Json> recorded_runs(const std::string& folder) {
 std::string status_text(const std::string& folder) {
     const auto runs = recorded_runs(folder + "/runs");
     if (runs.empty()) return fmt::format("no runs are recorded in '{}'\n", folder);
-    // What is alive in full, or the last one; of all others a line.
+    // Live runs in full, or the last run; all others as a line.
     std::string out, others;
     const bool alive =
         std::ranges::any_of(runs, [](const Json& run) { return run["state"] == "running"; });

@@ -18,8 +18,8 @@ namespace fluidcarve {
 class StatusFile {
 public:
     /// @param folder  the work folder; empty: no file
-    /// @param record  the file, if the run is a task of a farm (task_record); empty: one of its
-    ///   own, of which the latest stay
+    /// @param record  the file, if the run is a task of a farm (task_record); empty: a new file,
+    ///   and old ones are removed
     StatusFile(const std::string& folder, const Forecast& forecast, const Report& report,
                const std::string& record = {});
     /// Writes the final status.
@@ -47,20 +47,20 @@ private:
 
 /// The folder of a farm's job in a work folder.
 std::string job_folder(const std::string& work_folder, const std::string& job);
-/// The file in which a task of a farm's job says how it goes.
+/// The status file of a task of a farm's job.
 /// @param task  JOB/STEP
 /// @param frames  of the task; nothing: its step has one task
 std::string task_record(const std::string& work_folder, const std::string& task,
                         const std::optional<FrameSet>& frames);
-/// How a task is called: `seams-energy.1001-1010`, by its first and last frame.
+/// The name of a task: `seams-energy.1001-1010`, by its first and last frame.
 std::string task_name(const std::string& step, const std::optional<FrameSet>& frames);
 
-/// What is known of the runs whose files lie in a folder, latest first, as pipelines/FORMATS.md
-/// says; a task that failed has its "faults", too.
+/// The status of the runs whose files lie in a folder, latest first, as pipelines/FORMATS.md says;
+/// a task that failed has its "faults", too.
 std::vector<nlohmann::ordered_json> recorded_runs(const std::string& folder);
 
 /// What the verb `status` prints: each run in a work folder, latest first: its nodes, how much of
-/// each is done, how far those are that gather, and whether the run is running, has ended, or was
+/// each is done, the progress of gatherers, and whether the run is running, has ended, or was
 /// killed.
 std::string status_text(const std::string& folder);
 

@@ -46,7 +46,8 @@ std::set<std::size_t> computed_with(const Pipeline& pipeline, std::size_t node) 
     return out;
 }
 
-/// Delivering nodes in groups, so that what is not kept is computed for one group only.
+/// Delivering nodes in groups, so that results that are not cached are computed for one group
+/// only.
 std::vector<std::vector<std::size_t>> delivering_groups(const Pipeline& pipeline,
                                                         const Plan& plan) {
     struct Group {
@@ -73,7 +74,7 @@ std::vector<std::vector<std::size_t>> delivering_groups(const Pipeline& pipeline
     return out;
 }
 
-/// Plays the steps of a run one after the other, with a work folder that is empty at first.
+/// Simulates the steps of a run one after the other, with an initially empty work folder.
 class Rehearsal {
 public:
     Rehearsal(const Pipeline& pipeline, const Registry& registry, const Preparation& prepared,
@@ -144,8 +145,8 @@ private:
         return node.type->inputs.front().name;
     }
 
-    /// Whether the result of a node at a place is in the work folder by now; `place` counts only
-    /// for nodes that deliver per frame.
+    /// The step that has put the result of a node at a place into the work folder; `place` counts
+    /// only for nodes that deliver per frame.
     Maker& maker(std::size_t n, std::size_t place) {
         return results_[n][pipeline_.nodes[n].rate == Rate::frame ? place : 0];
     }
@@ -201,8 +202,8 @@ private:
         return out;
     }
 
-    /// Notes what a step leaves in the work folder.
-    /// @return whether all that it makes there are its targets
+    /// Records the results that a step leaves in the work folder.
+    /// @return whether all results that it makes there are its targets
     bool make(const Schedule& schedule, const Plan& plan, std::size_t step) {
         bool only_targets = true;
         const auto made = [&](std::size_t n, std::size_t place) {

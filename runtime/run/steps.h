@@ -13,7 +13,7 @@
 
 namespace fluidcarve {
 
-/// What a run asks of a machine.
+/// Resources that a run needs.
 struct RunCost {
     int cores = 0;
     double seconds = 0;        ///< wall time of the nodes that were measured before
@@ -22,26 +22,26 @@ struct RunCost {
     std::uint64_t disk = 0;    ///< bytes that it writes; 0: unknown
 };
 
-/// A part of a run that can be a run of its own, on another machine. It finds in the work folder
-/// what the steps before it have made.
+/// A part of a run that can be a run of its own, on another machine. It finds the results of
+/// earlier steps in the work folder.
 struct RunStep {
     std::string name;                  ///< unique: `seams-energy`, `seams`, `out`
     std::string what;                  ///< what it does, in words
-    RunTarget target;                  ///< what it runs
-    std::vector<std::size_t> needs{};  ///< indices of the steps that it waits for, without those
-                                       ///< that one of them waits for
-    bool chunked = false;              ///< several runs, each of some frames, make the same as one
+    RunTarget target;                  ///< the part of the pipeline that it runs
+    std::vector<std::size_t> needs{};  ///< indices of the steps that it waits for directly
+    bool chunked = false;              ///< several runs, each of some frames, give the same result
+                                       ///< as one run
     std::vector<int> frames{};  ///< numbers of the frames that it digests or delivers; empty, if it
                                 ///< is not chunked
-    /// What one run asks for. @param frames  that it takes, if the step is chunked
+    /// Resources of one run. @param frames  that it takes, if the step is chunked
     std::function<RunCost(std::size_t frames)> cost{};
 };
 
-/// Cuts a run into steps, each after those that it needs: for every gathering node with digests one that
-/// makes them, for every node that makes something of all frames (gathers_apart) one that runs it,
-/// and then those that deliver. Nodes that deliver frames from one and the same computation share a
-/// step. So each kept result is computed once in all steps, whatever the work folder holds at
-/// present.
+/// Cuts a run into steps, each after those that it needs: for every gathering node with digests a
+/// step that makes these, for every node with one result of all frames (gathers_apart) a step that
+/// runs it, and then the steps that deliver. Nodes that deliver frames from one and the same
+/// computation share a step. So each kept result is computed once in all steps, whatever the work
+/// folder holds at present.
 std::vector<RunStep> steps_of(const Pipeline& pipeline, const Registry& registry,
                               const Preparation& prepared, const History& history,
                               const RunOptions& options);

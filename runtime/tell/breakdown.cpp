@@ -23,7 +23,7 @@ extern "C" [[gnu::weak]] int mallctl(const char* name, void* old, std::size_t* o
 namespace fluidcarve {
 namespace {
 
-/// Writes without stdio, which may not work any more, or not yet.
+/// Writes without stdio, which may no longer work, or not yet.
 void tell_at_last(std::string_view text) {
     [[maybe_unused]] const auto written = write(STDERR_FILENO, text.data(), text.size());
 }

@@ -17,9 +17,9 @@ double processor_seconds() {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// The part of a work that does not become faster by more threads, 0..1.
+/// The part of a work that more threads do not speed up, 0..1.
 double serial_part(const CostSetting& at) {
-    // What one thread did does not tell.
+    // A run with one thread does not tell it.
     constexpr double unknown = 0.5;
     if (at.abreast <= 1) return unknown;
     return std::clamp((1 / std::max(1.0, at.cores) - 1 / at.abreast) / (1 - 1 / at.abreast), 0.0,

@@ -11,7 +11,7 @@
 
 namespace fluidcarve {
 
-/// What a time depends on, as far as a run knows it. A zero is unknown, or does not matter.
+/// The conditions that a measured time depends on, as far as known. 0: unknown or irrelevant.
 struct CostSetting {
     /// Bodies that could work at once; for a body that is called once: threads.
     double abreast = 1;
@@ -28,16 +28,16 @@ struct WorkTime {
     CostSetting at;
 };
 
-/// The time that it takes in another setting. It is proportional to bytes, frames and items, and
-/// inverse to what can work at once; of a body that is called once only so far as it kept several
-/// cores busy (Amdahl's law).
+/// The time in another setting. It is proportional to bytes, frames and items, and inversely
+/// proportional to the number of bodies at work; for a body that is called once, only as far as it
+/// kept several cores busy (Amdahl's law).
 double seconds_in(const WorkTime& cost, const CostSetting& now);
 
 /// The kinds of work of a node.
 enum class Work : std::size_t {
     frame,  ///< to compute a frame, and to keep it
-    take,   ///< of a gathering node: to take a frame from its inputs
-    load,   ///< to load what is kept of a frame, or once
+    take,   ///< for a gathering node, to take a frame from its inputs
+    load,   ///< to load a cached result
     once,   ///< to finish, or to run once
 };
 constexpr std::size_t work_kinds = 4;
@@ -54,9 +54,8 @@ struct NodeCost {
     }
 };
 
-/// Measures what each kind of work takes. While k bodies work at once, each counts for a k-th of
-/// the time: so all that is measured adds up to the wall time in which anything worked.
-/// Thread-safe.
+/// Measures the time of each kind of work. While k bodies work at once, each counts for a k-th of
+/// the time: so all times add up to the wall time in which any body worked. Thread-safe.
 class WorkTimes {
 public:
     /// @param expected  one per node, in the setting of this run

@@ -15,7 +15,7 @@ struct Outcome {
     std::size_t frames = 0;  ///< delivered
     double seconds = 0;
     bool idle = false;  ///< nothing had to be done
-    /// Of the files that it wrote, or found up to date, with frame tokens.
+    /// Paths of the files that it wrote, or found up to date, with frame tokens.
     std::vector<std::string> paths;
 };
 /// "done: 6 frames in 12.3 s -> out/plume.####.vdb, out/plume.png"; "done: nothing had to be done,
@@ -25,12 +25,12 @@ std::string done_text(const Outcome& outcome);
 /// What an interrupted run tells. @param kept  whether the work folder keeps what was computed
 std::string interrupted_text(bool kept);
 
-/// Whether all that a run is to make is there before it begins. @param shares  one per node
+/// Whether all results of a run exist before it begins. @param shares  one per node
 bool nothing_to_do(const std::vector<Share>& shares);
 /// The paths of the writers that take part in a run, as the pipeline states them, each once.
 std::vector<std::string> written_paths(const Pipeline& pipeline, const std::vector<Share>& shares);
-/// Frames that the writers of a file per frame make, at most: behind a change of time not those
-/// that are read. Nothing: there is no such writer.
+/// Largest number of frames of any writer of a file per frame; downstream of a node that retimes,
+/// it differs from the number read. Nothing: there is no such writer.
 std::optional<std::size_t> written_frames(const Pipeline& pipeline,
                                           const std::vector<Share>& shares);
 

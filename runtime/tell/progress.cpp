@@ -13,7 +13,7 @@
 namespace fluidcarve {
 namespace {
 
-/// Takes the bar from its line.
+/// Removes the bar from its line.
 constexpr auto clear_line = "\r\x1b[K";
 
 std::string clock_text(double seconds) {

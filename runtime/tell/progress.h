@@ -20,7 +20,7 @@ enum class ProgressStyle {
     json,    ///< one line of JSON per second
     plain,   ///< a line for each frame that is done with a pass, and every ten seconds, for logs
     openjd,  ///< one line with the percentage and one with the status per second, on stdout, as
-             ///< Open Job Description wants them
+             ///< Open Job Description requires
 };
 
 /// Prints the progress of a run and the time left to stderr. Thread-safe.
@@ -30,9 +30,9 @@ enum class ProgressStyle {
 /// left. Steps that have not begun count with their expected time; without one, with the mean of
 /// the others. All times are shares of the wall time (WorkTimes).
 ///
-/// The share that is shown never falls. If the time left turns out longer than was thought, what is
-/// left to show stands for what is left to do: each part of that moves the bar by the same part of
-/// the rest.
+/// The shown share never falls. If the time left turns out longer than estimated, the rest of the
+/// bar stands for the rest of the work: a part of that work moves the bar by the same part of its
+/// rest.
 class Progress {
 public:
     struct Step {
@@ -63,7 +63,7 @@ public:
     /// To be called when a frame is done with a pass. @param frame  frame number
     void passed(int frame);
 
-    /// Tells a line of text while the run goes on; the bar makes way for it.
+    /// Prints a line of text during the run; the bar makes room for it.
     void say(const std::string& line);
 
     double fraction();            ///< the share to show, 0..1
@@ -86,7 +86,7 @@ private:
     std::size_t pass_ = 0;
     std::string current_;
     std::vector<State> steps_;
-    double thought_ = 0;  ///< share of the work that was last thought to be done
+    double thought_ = 0;  ///< last estimate of the share of work done
     double shown_share_ = 0;
     mutable std::mutex mutex_;
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

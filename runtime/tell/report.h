@@ -32,11 +32,11 @@ inline Fault fault_in(const Node& node, std::optional<int> frame, std::string me
 /// The failure as a line of text: "spin (energy.vorticity), frame 43: message".
 std::string to_text(const Fault& fault);
 
-/// How far a node is that gathers frames and has not finished.
+/// Progress of a node that gathers frames and has not finished.
 struct Gathering {
     std::size_t frames = 0, of_frames = 0;  ///< frames that it has taken, and that it needs
-    std::size_t items = 0, of_items = 0;    ///< items of its growing result (Growth) that are kept,
-                                            ///< and that it is to find; 0 of 0: unknown
+    std::size_t items = 0, of_items = 0;    ///< kept items of its growing result (Growth), and the
+                                            ///< wanted number; 0 of 0: unknown
 };
 
 /// Collects what happens in a run. Thread-safe.
@@ -55,7 +55,7 @@ public:
     void took(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
     /// A gathering node has taken one frame, from its inputs or from a cached digest.
     void gathered(std::size_t node, std::size_t place);
-    /// So many items of a growing result are kept. @param of  how many the node is to find
+    /// So many items of a growing result are kept. @param of  the wanted number of items
     void grew(std::size_t node, std::size_t items, std::size_t of);
     /// The body of a node that runs once, or of a gathering node, has ended.
     /// @param good  whether it has finished, and did not fail or stop early
@@ -75,7 +75,7 @@ public:
     std::uint64_t most_bytes(std::size_t node) const;  ///< largest result in memory; 0: unknown
     /// Per node: number of frames that are cached or already computed.
     std::vector<std::size_t> done() const;
-    /// How far a node is; nothing if it gathers nothing in this run, or has finished.
+    /// Progress of a node; nothing if it gathers nothing in this run, or has finished.
     std::optional<Gathering> gathering(std::size_t node) const;
 
     std::vector<Fault> faults() const;  ///< sorted by frame, then by the pipeline's order of nodes

@@ -14,7 +14,7 @@ void tell(const std::string& text);
 /// From now on, tell() prints each text as a line of JSON, for programs (pipelines/FORMATS.md
 /// "Events").
 void tell_as_events();
-/// Whether it does.
+/// Whether tell_as_events() was called.
 bool told_as_events();
 /// Prints an event.
 /// @param otherwise  its kind, unless the text begins with `failed:`, `warning:` or `done:`

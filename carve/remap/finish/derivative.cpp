@@ -9,8 +9,8 @@ using openvdb::Mat3d;
 using openvdb::Vec3d;
 
 namespace {
-/// On a rig that a lattice goes around, v has no direction. The derivative is that at this distance
-/// from it, vertices.
+/// On the rig of a lattice around it, v has no direction. There the derivative at this distance
+/// from the rig is used, vertices.
 constexpr double beside_rig = 1e-3;
 }  // namespace
 
@@ -21,7 +21,7 @@ Mat3d position_slope(const Mapping& mapping, const Vec3d& at) {
     Mat3d out;
     out.setCol(0, mapping.position(at + Vec3d(1, 0, 0)) - here);
     if (const auto polar = mapping.slabs() ? mapping.slabs()->polar() : std::nullopt) {
-        // v runs at a right angle to u: as u does a quarter of a turn further.
+        // v is perpendicular to u: it has the direction of u a quarter turn further.
         const Vec3d beside(at.x(), at.y() + polar->turn() / 4, at.z()), rig(0, 0, at.z());
         out.setCol(1,
                    2 * M_PI / polar->turn() * (mapping.position(beside) - mapping.position(rig)));

@@ -29,22 +29,21 @@ public:
     /// The derivative at a point, world units per world unit, by the chain rule. With the paper's
     /// closed form, it is computed as if `f` were the inverse of `g`.
     /// @param at  carved lattice coordinates within the mapping's extent
-    /// @return nothing where it is the identity to the last bit: away from all that moves, and in a
-    ///   straight box wherever displacements are equal. Nothing either where a removal frees the
+    /// @return nothing where the derivative is exactly the identity: where nothing moves, and in a
+    ///   straight box wherever displacements are equal. Also nothing where a removal frees the
     ///   point
     std::optional<openvdb::Mat3d> operator()(const openvdb::Vec3d& at) const {
         const auto image = this->image(at);
         return image ? std::optional(image->derivative) : std::nullopt;
     }
 
-    /// Where the content of a point comes from, and how the space around it is compressed or
-    /// stretched.
+    /// The source of a point, and how the space around it is compressed or stretched.
     struct Image {
         openvdb::Vec3d source;      ///< lattice coordinates before the carve
         openvdb::Mat3d slope;       ///< derivative of `source`, in lattice coordinates
         openvdb::Mat3d derivative;  ///< world units per world unit
     };
-    /// The derivative with its parts; nothing where there is none.
+    /// The derivative with its parts; nothing where operator() returns nothing.
     std::optional<Image> image(const openvdb::Vec3d& at) const;
 
     /// Whether the carve itself uses these displacements, so that Image::source is where values

@@ -11,10 +11,11 @@ namespace fluidcarve {
 
 /// What to do to carved grids besides copying and interpolating values (METHOD 5).
 struct Finish {
-    /// Whether level sets become distances again; nothing: where they can.
+    /// Whether level sets are renormalised; nothing: those that can_renormalize().
     std::optional<bool> renormalize;
     std::vector<std::string> densities;  ///< names of grids that keep their mass
-    /// Turn all grids of float vectors with space, also those in three parts.
+    /// Whether vectors_turned() is applied to all grids of vectors, also those stored as three
+    /// grids, and to the velocities of points.
     bool transform_vectors = false;
 };
 

@@ -44,10 +44,10 @@ public:
     }
 
 private:
-    /// Squeezing by less than this share does not count.
+    /// Squeezing by less than this share is ignored.
     static constexpr double hardly = 1e-3;
 
-    /// The share of its length that a place lost along the axis that lost most.
+    /// The share of length lost at a place, along the axis with the largest loss.
     double squeeze(const Vec3d& at) const {
         const auto image = derivative_.image(at);
         if (!image) return 0;
@@ -56,9 +56,9 @@ private:
         return 1 - 1 / steepest;
     }
 
-    /// Mean around a voxel, weighed along each axis by a kernel that leaves long waves and, at full
-    /// strength, no wave of two voxels.
-    /// @param share  that the place lost: a half or more is full strength
+    /// Mean around a voxel. Along each axis, the kernel keeps long waves and, at full strength,
+    /// removes waves of two voxels.
+    /// @param share  of length lost at the place; from a half on, full strength
     double mean(const Coord& at, double share) const {
         const double part = std::min(2 * share, 1.0) / 16;
         const std::array weights{-part, 4 * part, 1 - 6 * part, 4 * part, -part};

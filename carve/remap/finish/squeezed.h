@@ -7,8 +7,9 @@
 
 namespace fluidcarve {
 
-/// Smooths a carved level set where it was squeezed (METHOD 5): the steps of its voxels became
-/// steeper there, and would show as ripple. Active voxels that were not squeezed stay bit for bit.
+/// Smooths a carved level set where it was squeezed (METHOD 5): the stair-steps of its voxels
+/// became steeper there, and would show as ripple. Active voxels that were not squeezed stay bit
+/// for bit.
 /// @param grid        of floats or doubles
 /// @param places      of the grid's voxels
 /// @param derivative  exact()

@@ -42,8 +42,8 @@ std::optional<Coord> origin_of(const CarveMap& map, Coord vertex) {
     return vertex;
 }
 
-/// Whether a displacement ends at a rim with a jump. At the end of its own axis where the lattice
-/// is anchored, it does not.
+/// Whether a displacement ends at a rim with a jump. There is no jump at the anchored end of its
+/// own axis.
 bool jumps(const CarveMap& map, const Rim& rim, const Coord& by) {
     const auto moves_end = [&](int axis) {
         return std::ranges::any_of(map.steps(), [&](const CarveStep& step) {
@@ -58,7 +58,7 @@ bool jumps(const CarveMap& map, const Rim& rim, const Coord& by) {
     return false;
 }
 
-/// The entry at a column's end. A warp ends elsewhere in each column.
+/// The entry at a column's end. A warp's end differs from column to column.
 int rim_entry(const CarveMap& map, const openvdb::CoordBBox& carved, const Rim& rim,
               const Coord& column) {
     int out = (rim.high ? carved.max() : carved.min())[rim.axis];
@@ -85,7 +85,7 @@ double share_of(const GridT& grid, const Lattice& lattice, const CarveMap& map,
         const auto voxel = voxel_at(grid.worldToIndex(lattice.position(at)));
         return voxel && values.probeValue(*voxel, value) && value != grid.background();
     };
-    // How far beyond the rim to look: a vertex, but at least a voxel.
+    // Distance beyond the rim that is checked: a vertex, but at least a voxel.
     const double beyond = std::max(1.0, grid.voxelSize().x() / lattice.spacing);
     int all = 0, torn = 0;
     Coord vertex;
@@ -124,8 +124,8 @@ std::vector<Tear> find_tears(const Volume& volume, const Lattice& given, const C
         const auto look = [&](const auto& values) {
             for (int axis = 0; axis < (lattice.closed ? 2 : 3); ++axis)
                 for (const bool high : {false, true}) {
-                    // A dimension of one vertex has no rims: everything beside it is out of reach.
-                    // Around a rig only u has one, the outer.
+                    // A dimension of one vertex has no rims. Around a rig only u has one, the
+                    // outer.
                     if (carved.dim()[axis] == 1 ||
                         (lattice.around && (axis == 1 || (axis == 0 && !high))))
                         continue;

@@ -19,15 +19,15 @@ struct Tear {
 
 /// Finds the tears of a volume's density; if no grid has that name, of all its float and double
 /// grids. (Shadow or temperature often fill the whole domain and cross every rim.) Content crosses
-/// a rim at a vertex if the vertex's content comes from elsewhere and is active in the input, and
-/// so is the input's voxel one vertex beyond the rim from there. Both values must differ from the
-/// background. Rims are both lateral ones, the ends of an open lattice, and the far end of the
-/// carved axis, where content beyond stays while content inside is moved, freed or added. Of a
-/// large rim, some thousand vertices at regular distances are checked.
+/// a rim at a vertex if the carve moves the vertex's content and two voxels of the input are
+/// active: the content's source, and the one a vertex beyond the rim from it. Both values must
+/// differ from the background. Rims are both lateral ones, the ends of an open lattice, and the
+/// far end of the carved axis, where content beyond stays while content inside is moved, freed or
+/// added. Of a large rim, some thousand vertices at regular distances are checked.
 /// @param volume  before the carve
 std::vector<Tear> find_tears(const Volume& volume, const Lattice& lattice, const CarveMap& map);
 
-/// A warning about a tear. Shares are given in powers of ten, so that similar frames give the same
+/// A warning about a tear. It rounds shares to powers of ten, so that similar frames give the same
 /// warning.
 std::string to_text(const Tear& tear);
 

@@ -25,7 +25,7 @@ using openvdb::Vec3d;
 /// Number of positions that are sampled for each further voxel pressed into one, and the largest
 /// number in all.
 constexpr int places_per_voxel = 4, most_places = 64;
-/// Compression by less than this share does not count.
+/// Compression by less than this share is ignored.
 constexpr double hardly = 1e-3;
 
 /// Scales a density, or turns vectors, block by block.
@@ -117,8 +117,8 @@ private:
         for (int n = 0; n < count; ++n) {
             const auto there = image_at((n + 0.5) * width), above = image_at((n + 1) * width);
             if (there) {
-                // How much content lies between both ends, so that neighbouring parts together
-                // count all of it once.
+                // Content between both ends, so that neighbouring parts together count all content
+                // once.
                 const double slope = below && above
                                          ? (above->source[axis] - below->source[axis]) / width
                                          : there->slope(axis, axis);

@@ -10,11 +10,12 @@ namespace fluidcarve {
 
 // These functions take carved grids and points (METHOD 5). `D` is the CarveDerivative at a voxel,
 // at a component's face, or at a point. Active voxels without a derivative stay bit for bit. So do
-// inactive ones, but those into which some of a density is pressed: they become active.
+// inactive voxels, except those that receive some of a density: these become active.
 
-/// Scales a density by |det D|, so that it keeps its mass. If a voxel holds what several held
-/// before, its value is the mean over several positions in it, each with its own value in `source`:
-/// a single position would mostly be thin, since seams avoid what is dense.
+/// Scales a density by |det D|, so that it keeps its mass. If the content of several voxels is
+/// compressed into one, the result is the mean over several positions in that voxel, each with its
+/// own value in `source`. A single position would mostly be too thin, since seams avoid dense
+/// content.
 /// @param source  before the carve, of the same type and transform as `grid`
 /// @param grid    of floats or doubles, amounts per volume
 /// @return the grid itself if nothing changes
@@ -31,7 +32,7 @@ openvdb::GridBase::ConstPtr vectors_turned(const openvdb::GridBase::ConstPtr& gr
                                            const CarvedPlaces& places,
                                            const CarveDerivative& derivative);
 
-/// The same for the velocities of points (velocity_name); points without any stay as they are.
+/// The same for the velocities of points (velocity_name). Points without velocities do not change.
 Points vectors_turned(const Points& points, const CarveDerivative& derivative);
 
 }  // namespace fluidcarve

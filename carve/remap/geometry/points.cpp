@@ -47,10 +47,10 @@ double share(std::uint64_t identity) {
     return static_cast<double>(mixed(identity ^ 0x5eedu) >> 11) * 0x1p-53;
 }
 
-/// A point on its way through the steps.
+/// A point that passes through the steps.
 struct MovedPoint {
     Vec3d at;
-    std::uint64_t copy;  ///< 0: the point itself; else it tells the copies apart
+    std::uint64_t copy;  ///< 0: the point itself; else the number of the copy
 };
 
 /// Displaces copies at random.
@@ -89,9 +89,9 @@ private:
     double amount_;
 };
 
-/// Carves points under a smoothed map. Each point moves with its place. Where space is compressed
-/// by a factor, only one point in so many stays; where it is stretched, so many more are made. The
-/// points' identities decide which.
+/// Carves points under a smoothed map. Each point moves with its place. Points are thinned in
+/// proportion to the compression of space, and copied in proportion to its stretching. The points'
+/// identities decide which.
 class SoftCarve {
 public:
     SoftCarve(const Mapping& mapping, const CarveMap& map, const Jitter& jitter)
@@ -106,7 +106,7 @@ public:
         double pressed = 1;
         for (const auto& step : map_.steps()) {
             const double u = to[step.axis()];
-            // An insertion writes over what lies beyond the lattice's ends.
+            // An insertion overwrites content beyond the lattice's ends.
             if (step.holds(to) && (u < step.origin() || u > step.last_before()) &&
                 step.carves(to, step.scale(to)))
                 return;
@@ -152,7 +152,7 @@ private:
     const Jitter& jitter_;
 };
 
-/// Finds where a step that is joined by a fade shows a point.
+/// Finds the places of a point after a step whose seams are joined by a fade.
 /// @param places, rooms  as for carve_point()
 void join_point(const CarveStep& step, const Vec3d& at, double share, std::vector<double>& places,
                 std::vector<Vec2d>& rooms) {
@@ -185,7 +185,7 @@ void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& pl
     if (!step.holds(at) || scale == 0 || u < std::min<double>(first, step.origin()) ||
         u > std::max<double>(last, step.last_before()))
         return stay();
-    if (u < step.origin() || u > step.last_before()) return;  // an insertion writes over it
+    if (u < step.origin() || u > step.last_before()) return;  // an insertion overwrites it
 
     // The content at `u*` comes from `u* + scale d`, where `d` is a whole number between the bounds
     // of seams. The places of a point are all `u*` whose content comes from it. They are searched
@@ -200,9 +200,9 @@ void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& pl
                   back = step.paired() ? std::max(ahead - step.count(), 0) : 0;
         return (step.inserts() ? -1 : 1) * (ahead - 2 * back) + step.origin() - step.start();
     };
-    // A point on a bound lies beyond it, and so does one that rounding moved there: of particles on
-    // vertices, or half a vertex beside them, a seam takes or doubles one layer. Near a rim, seams
-    // may be narrower than snap_width.
+    // A point on a bound counts as beyond it, even if rounding moved it there: so a seam takes or
+    // doubles one layer of particles that lie on vertices, or half a vertex beside them. Near a
+    // rim, seams may be narrower than snap_width.
     const double near = std::min(snap_width, scale / 4);
     const auto beyond = [&](double place, std::size_t n) { return place >= bound(n) - near; };
     for (std::size_t passed = 0; passed <= bounds.size(); ++passed) {
@@ -222,7 +222,7 @@ CarvedPoints carve_points(const std::vector<Vec3d>& positions,
     const Mapping mapping(map.extended(lattice), map.reach());
     const auto moves = map.moved();
     const Jitter jittered(jitter);
-    // With a warp among them, seams squeeze points as the warp does.
+    // If one of the steps is a warp, seams squeeze points as the warp does.
     const bool joined = std::ranges::all_of(
         map.steps(), [](const CarveStep& step) { return step.joins() != nullptr; });
     std::optional<SoftCarve> soft;

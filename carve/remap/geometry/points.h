@@ -10,14 +10,13 @@
 
 namespace fluidcarve {
 
-/// Finds where a step moves a point of its lattice, along the carved axis (METHOD 6). There is no
-/// place if a removal takes the point or an insertion writes over it, and several if seams are
-/// inserted where it is. A removed seam takes all points from half a vertex below it up to half a
-/// vertex above. An inserted seam adds a copy of all points from the doubled entry up to the next.
-/// The upper ends do not belong to these intervals. Seams are interpolated bilinearly between
-/// columns.
-/// Points that the step does not hold stay.
-/// With a fade, a seam takes and adds less, by the factor CarveStep::scale.
+/// Finds the places of a point after a step, along the carved axis (METHOD 6). There is none if a
+/// removal takes the point or an insertion overwrites it, and several if seams are inserted there.
+/// A removed seam takes all points from half a vertex below it up to half a vertex above. An
+/// inserted seam adds a copy of all points from the doubled entry up to the next. The upper ends
+/// do not belong to these intervals. Seams are interpolated bilinearly between columns.
+/// Points outside CarveStep::holds() stay.
+/// Where the rim fades, a seam takes and adds less, by the factor CarveStep::scale.
 /// @param at      lattice index coordinates
 /// @param places  becomes the coordinates along the axis, the point itself first
 /// @param rooms   becomes, for each place, the interval along the axis in which a copy stays inside

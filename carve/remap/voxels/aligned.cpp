@@ -58,7 +58,7 @@ public:
         if (soft_ && soft_->staggered()) range.expand(0.5);
         bool frees = false;
         if (!map_.trace(range, frees)) return false;
-        // What stands between two faces comes from both.
+        // Values between two faces come from both.
         if (soft_ && soft_->staggered()) range.expand(0.5);
         const auto read = voxels(alignment_, range);
         window_.move_to(read);
@@ -67,8 +67,8 @@ public:
             return false;
 
         if (soft_) return soft_->carve(window_, read, out);
-        // On lines in slices outside of all steps nothing moves. Of a block of an image, that is
-        // all but a few. Slices that a line crosses count as met.
+        // Lines in slices outside of all steps do not move. In a block of an image, these are all
+        // lines but a few. Slices that a line crosses count as met.
         const auto held = [&](const Coord& vertex) {
             return std::ranges::any_of(steps_, [&](const CarveStep& step) {
                 const int slice = vertex[step.slice_axis()];
@@ -91,7 +91,7 @@ public:
 
 private:
     /// Carves eight voxels in the direction of rising entries, under the last step. So the bounds
-    /// of their column are passed only once.
+    /// of their column are traversed only once.
     void carve_row(Coord voxel, Leaf& out) {
         const auto& step = steps_.back();
         const auto rest = steps_.size() - 1;
@@ -125,7 +125,7 @@ private:
                 write(out, voxel, displaced(entry, d, at));
                 continue;
             }
-            // The entries up to the next bound are displaced alike.
+            // The entries up to the next bound have the same displacement.
             int same = end;
             if (in_step)
                 same = std::min({end, step.last() + 1,

@@ -24,16 +24,17 @@ Value inserted_value(const Value& low, const Value& high) {
     else return static_cast<void>(high), low;
 }
 
-/// Whether a voxel between others is active though the nearest of them is not: active ones have a
-/// part in its value. OpenVDB's tools go by active voxels, and would lose it.
+/// Whether an interpolated voxel must be active although the nearest source voxel is not: its
+/// value shows that active voxels contribute to it. OpenVDB's tools skip inactive voxels and would
+/// lose the value.
 template <class Value>
 bool shows(const Value& value, const Value& nearest, const Value& background) {
     return can_blend<Value> && value != background && value != nearest;
 }
 
-/// A weighted sum of values; of values that can't be averaged or are not finite, the one of the
-/// highest weight. Active if a value of the highest weight is, or if any is and the sum is not the
-/// background.
+/// A weighted sum of values. If they can't be averaged, or the sum is not finite, the value of the
+/// highest weight. Active if a value of the highest weight is active, or if any value is active
+/// and the sum is not the background.
 template <class Value>
 class Blend {
     using Element = typename openvdb::VecTraits<Value>::ElementType;

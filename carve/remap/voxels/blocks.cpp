@@ -34,7 +34,7 @@ bool same(const Leaf& a, const Leaf& b) {
     return true;
 }
 
-/// Copies the tiles of a node and of those below it, but for background.
+/// Copies the tiles of a node and of its descendants, except background tiles.
 /// @param to  without leaves
 template <class Node, class TreeT>
 void copy_tiles(const Node& node, TreeT& to) {

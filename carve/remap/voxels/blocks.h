@@ -14,7 +14,7 @@
 
 namespace fluidcarve {
 
-/// How far apart neighbours along an axis are in a leaf of 8^3 voxels.
+/// Distance of offsets between neighbours along an axis in a leaf of 8^3 voxels.
 inline int offset_stride(int axis) { return 64 >> 3 * axis; }
 
 /// Whether a leaf keeps an array of its values. Leaves of booleans and masks keep bits.
@@ -51,7 +51,7 @@ public:
                     cells_.push_back(cell);
                 }
     }
-    /// Whether the window holds only tiles of one value and state: those of tile().
+    /// Whether the window holds only tiles with the value and state of tile().
     bool uniform() const {
         for (const auto& cell : cells_)
             if (cell.leaf || cell.tile.on != tile().on || !same_bits(cell.tile.value, tile().value))

@@ -66,7 +66,8 @@ void CarveBlock::Table::fill(const CarveStep& step) {
             const int d = step.displacement(i, passed, bounds);
             low = std::min(low, d);
             high = std::max(high, d);
-            // An inserted entry stands alone, others are displaced alike up to the next bound.
+            // An inserted entry has its own displacement; other entries share theirs up to the
+            // next bound.
             const int next = d % 2 != 0               ? i + 1
                              : passed < bounds.size() ? std::min<int>(end, bounds[passed])
                                                       : end;
@@ -90,7 +91,7 @@ bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
         const std::array<int, 3> first{step.low(), step.first_lateral(), step.first_slice()},
             last{step.high(), step.around() ? 2 * step.laterals() : step.last_lateral(),
                  step.closed() ? 2 * step.slices() : step.last_slice()};
-        // A box that goes round where entries end and begin may hold any of them.
+        // A box across the closing of the ring may hold any entry.
         if (step.turns() && range.max()[axes[0]] > step.high()) {
             range.min()[axes[0]] = step.low();
             range.max()[axes[0]] = step.high() + 1;
@@ -110,7 +111,7 @@ bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
         table.fill(step);
         const int axis = step.axis();
         const bool frees = step.may_free(range.min()[axis], range.max()[axis]);
-        // A warp ends elsewhere in each column.
+        // A warp's ends differ from column to column.
         within = within && (!step.warps() || (range.min()[axis] >= step.common().begin &&
                                               range.max()[axis] <= step.common().end));
         if (table.low == 0 && table.high == 0 && !frees) continue;
@@ -139,8 +140,8 @@ bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
             // both neighbours.
             low = std::floor(low) - 1;
             high = std::ceil(high) + 1;
-            // Points that the step does not hold stay, and fading points are read nearer to where
-            // they go.
+            // Points outside the step stay, and fading points are read nearer to their
+            // destination.
             if (!within || fades) {
                 low = std::min(0.0, low);
                 high = std::max(0.0, high);

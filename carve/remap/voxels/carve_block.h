@@ -11,8 +11,8 @@
 
 namespace fluidcarve {
 
-/// A carve map in a box of lattice coordinates, such as that of a block of voxels. It looks up once
-/// which entries are displaced there, and by how much.
+/// A carve map in a box of lattice coordinates, such as that of a block of voxels. It looks up the
+/// displacements of the box's entries once.
 class CarveBlock {
 public:
     /// The cell of a step's carved space that holds a point: the columns that count, and the
@@ -36,7 +36,7 @@ public:
     /// @return false if nothing in the box moves
     bool move_to(const openvdb::BBoxd& range);
 
-    /// Bounds of the displacements along u, v and w, from where values go to where they are read,
+    /// Bounds of the displacements along u, v and w, from output positions to their sources,
     /// vertices.
     const openvdb::Vec3d& least() const { return least_; }
     const openvdb::Vec3d& most() const { return most_; }
@@ -49,8 +49,8 @@ public:
 
     /// The cell that holds a point.
     /// @param step  index of the step in the map
-    /// @param at    coordinates in that step's carved space, inside it; sources of points of the
-    ///   box
+    /// @param at    coordinates within that step's carved space, as later steps lead there from
+    ///   the box
     Cell cell(std::size_t step, const openvdb::Vec3d& at) const;
     /// The displacement of a smoothed step, vertices: trilinear, and a whole number where its
     /// cell's corners have the same whole number.
@@ -86,7 +86,7 @@ private:
         void fill_smooth(const CarveStep& step);
     };
 
-    /// The displacements of two entries that follow each other, as one number.
+    /// The displacements of two consecutive entries, packed into one number.
     static std::uint64_t edge_at(const int* entry) {
         std::uint64_t out;
         std::memcpy(&out, entry, sizeof(out));

@@ -15,7 +15,7 @@ inline std::array<double, 4> cubic_weights(double t) {
             ((-1.5 * t + 2) * t + 0.5) * t, (0.5 * t - 0.5) * t * t};
 }
 
-/// Samples a grid between its voxels, from 4^3 of them.
+/// Samples a grid between its voxels, from a cube of 4^3 voxels.
 /// @param q  index coordinates
 template <class Value, class Accessor>
 Value sample_cubic(const Accessor& values, const openvdb::Vec3d& q) {

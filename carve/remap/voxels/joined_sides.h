@@ -13,15 +13,15 @@
 
 namespace fluidcarve {
 
-/// The sides that points show under a map that is joined by fades (METHOD 10 "Joins"), one point
-/// after the other.
+/// The sources that are blended at a point under a map whose seams are joined by fades (METHOD 10
+/// "Joins"). Holds one point at a time.
 class JoinedSides {
 public:
-    /// Content that a point shows a part of.
+    /// One of the blended sources.
     struct Side {
         openvdb::Vec3d at;  ///< lattice coordinates before the carve
         double weight;      ///< all weights sum to 1
-        bool nothing;       ///< whether the carve frees it
+        bool nothing;       ///< whether it is background that the carve freed
     };
 
     /// @param map, block  must outlive this object; the block must hold the points
@@ -31,17 +31,17 @@ public:
     /// @param at  carved lattice coordinates
     void find(const openvdb::Vec3d& at);
     const std::vector<Side>& all() const { return sides_; }
-    /// Where the slow part of the point comes from: lattice coordinates before the carve.
+    /// Source of the point's slow part: lattice coordinates before the carve.
     const openvdb::Vec3d& stretched() const { return stretched_; }
     /// Whether the carve frees the point.
     bool freed() const { return sides_.size() == 1 && sides_.front().nothing; }
-    /// Whether there is one side, and the slow part comes from there, too.
+    /// Whether there is only one side, which is also the source of the slow part.
     bool rigid() const {
         return sides_.size() == 1 && !sides_.front().nothing && sides_.front().at == stretched_;
     }
 
 private:
-    /// The displacement by which a step squeezes or stretches, or moves whole vertices.
+    /// A step's displacement: smoothed if it is soft, else by whole vertices.
     double displacement(std::size_t step, const openvdb::Vec3d& at) const;
 
     const CarveMap& map_;
@@ -54,7 +54,7 @@ private:
 template <class Part>
 inline constexpr std::size_t components_of = openvdb::VecTraits<Part>::IsVec ? 3 : 1;
 
-/// A value's components; those that it has not are 0.
+/// A value's components; missing ones are 0.
 template <class Part>
 std::array<double, 3> components(const Part& value) {
     if constexpr (openvdb::VecTraits<Part>::IsVec)
@@ -63,9 +63,9 @@ std::array<double, 3> components(const Part& value) {
     else return {static_cast<double>(value)};
 }
 
-/// How badly two vectors fit, from 0 to 1.
-/// @param fits, misfits  share of the shorter in the longer: from the first on they fit, up to the
-///   second not at all
+/// How badly two vectors match, from 0 to 1.
+/// @param fits, misfits  ratios of the shorter length to the longer one: 0 results from `fits` on,
+///   1 up to `misfits`
 inline double misfit(const std::array<double, 3>& a, const std::array<double, 3>& b, double fits,
                      double misfits) {
     double of_a = 0, of_b = 0, both = 0;
@@ -82,39 +82,41 @@ inline double misfit(const std::array<double, 3>& a, const std::array<double, 3>
     return x * x * (3 - 2 * x);
 }
 
-/// What a side shows, or what it should: the slow part, and the value.
+/// The slow part and the value of a side, or of the wanted result.
 struct Shown {
     std::array<double, 3> slow, value;
 };
 
-/// How badly what a side shows fits what it should, from 0 to 1. Where the slow parts differ, an
-/// outline would be cropped, or doubled; where one of both values is nothing, they need to differ
-/// less.
+/// How badly a side matches the wanted result, from 0 to 1. Where the slow parts differ, an
+/// outline would be cropped or doubled. Where one of the values is near 0, a smaller difference
+/// counts.
 inline double misfit(const Shown& side, const Shown& wanted) {
     return std::max(
         misfit(side.slow, wanted.slow, 0.7, 0.3),
         misfit(side.slow, wanted.slow, 0.9, 0.6) * misfit(side.value, wanted.value, 0.2, 0.05));
 }
 
-/// A value in two bands: the faded one, its slow part, and what it should be.
+/// A blended value in two bands: its slow part and the rest, with the wanted slow part.
 template <class Part>
 struct TwoBands {
-    Part faded, stretched;                    ///< the value where the slow part comes from
-    std::array<double, 3> shown{}, wanted{};  ///< the faded slow part, and that where it comes from
-    double stretch = 0;  ///< share of the stretched value, by how badly the sides fit
-    double squares = 0;  ///< of the sides' weights, summed
-    double highest = 0;  ///< the greatest size of all values, if they are single numbers
+    Part faded, stretched;                    ///< `stretched`: the value at
+                                              ///< JoinedSides::stretched()
+    std::array<double, 3> shown{}, wanted{};  ///< the blended slow part; the slow part at
+                                              ///< JoinedSides::stretched()
+    double stretch = 0;  ///< share of `stretched` in the result: the weighted misfit of the sides
+    double squares = 0;  ///< sum of the squares of the sides' weights
+    double highest = 0;  ///< largest magnitude of all values, if they are scalars
 
-    /// The faded detail upon the slow part that should be there.
+    /// The blended detail on the wanted slow part.
     Part value() const {
-        // A mean of details that do not match is flatter than they are. They match half.
+        // Averaging flattens details that do not match. They are taken to match half.
         const double gain = 1 / std::sqrt(0.5 * (1 + squares));
         const auto means = components(faded), ends = components(stretched);
         Part out = faded;
         for (std::size_t c = 0; c < components_of<Part>; ++c) {
             const double raised = shown[c] + (means[c] - shown[c]) * gain,
                          value = raised * means[c] > 0 ? raised : 0;
-            // What is dim stays dim: where nothing is shown, nothing is added.
+            // Dim places stay dim: where nothing is shown, nothing is added.
             const double share = shown[c] == 0 ? 0 : std::clamp(value / shown[c], 0.0, 1.0);
             const bool lower =
                 wanted[c] * shown[c] >= 0 && std::abs(wanted[c]) < std::abs(shown[c]);

@@ -11,7 +11,7 @@
 namespace fluidcarve {
 
 /// Finds where the voxels of a carved grid lie in the carved lattice, one 8^3 block at a time: at
-/// whole vertices if voxels are vertices (aligned.h), else as BlockPlaces tells (sampled.h).
+/// whole vertices if voxels are vertices (aligned.h), else by BlockPlaces (sampled.h).
 class CarvedPlaces {
 public:
     /// Lattice index coordinates of eight voxels along z.

@@ -31,11 +31,11 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::Vec3d;
 
-/// Voxels beside a position that linear interpolation reads. What other interpolations read beyond
-/// is found by a search.
+/// Voxels on each side of a position that linear interpolation reads. Other interpolations read
+/// further voxels by a search.
 constexpr int support = 1;
-/// Largest number of voxels that a block of 512 may read and that are copied for it. If there are
-/// more, they are read one by one.
+/// Largest number of voxels that are copied for a block of 512. If a block reads more, they are
+/// read one by one.
 constexpr std::size_t most_copied = 32 * 512;
 
 /// Carves a grid block by block, by sampling it.
@@ -141,7 +141,7 @@ private:
     }
 
     /// Carves a row of voxels: whole values, or one component of them.
-    /// @param offset   from a voxel to where the part stands, voxels
+    /// @param offset   from a voxel to the position of the part, voxels
     /// @param nothing  the background's part
     /// @param component  of the part, or the first of them
     /// @param parts    values and states before; become the carved ones
@@ -191,8 +191,8 @@ private:
         return faded;
     }
 
-    /// Where a voxel reads the content of other lattice coordinates. In a straight box all steps
-    /// are the same.
+    /// The position at which a voxel reads the content of other lattice coordinates. In a straight
+    /// box all steps are equal.
     Vec3d position(const Vec3d& p, const BlockPlaces::Place& place, const Vec3d& source) const {
         const auto by = source - place.at;
         return steps_ ? p + by.x() * (*steps_)[0] + by.y() * (*steps_)[1] + by.z() * (*steps_)[2]
@@ -452,8 +452,8 @@ private:
     typename GridT::ConstAccessor values_;
 };
 
-/// What of a grid is squeezed or stretched at joins, not faded; null if nothing is. A distance is
-/// only faded.
+/// The part of a grid that is squeezed or stretched at joins instead of faded; null if there is
+/// none. Distances are only faded.
 template <class GridT>
 std::shared_ptr<const SlowPart> slow_part(const GridT& grid, const Mapping& mapping,
                                           const CarveMap& map) {

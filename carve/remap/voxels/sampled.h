@@ -10,14 +10,14 @@ namespace fluidcarve {
 /// How a grid is read between its voxels: from 2^3, 3^3 or 4^3 of them (cubic is Catmull-Rom).
 enum class Interpolation { linear, quadratic, cubic };
 
-/// Carves a grid that may lie in any way to the lattice (METHOD 4). A voxel at `p`, with lattice
-/// coordinates `l`, takes its value at `p + G(M(l)) - G(l)`; `G` maps from the lattice to the
-/// grid's index space. In cells whose corners move differently, values are interpolated, not
-/// positions. Voxels of cells that do not move are copied bit for bit. Each component of a
-/// staggered grid is carved at its own face. Integers, booleans and masks are read from the nearest
-/// voxel.
-/// Where the map fades, all positions that are read are drawn towards `l` by CarveStep::scale.
-/// Beside a seam, values are blended with the same weights as without a fade.
+/// Carves a grid in any position and orientation relative to the lattice (METHOD 4). A voxel at
+/// `p`, with lattice coordinates `l`, takes its value at `p + G(M(l)) - G(l)`; `G` maps from the
+/// lattice to the grid's index space. In cells whose corners move differently, values are
+/// interpolated, not positions. Voxels of cells that do not move are copied bit for bit. Each
+/// component of a staggered grid is carved at its own face. Integers, booleans and masks are read
+/// from the nearest voxel.
+/// Where the map fades, CarveStep::scale moves all source positions towards `l`. Beside a seam,
+/// values are blended with the same weights as without a fade.
 /// @param mapping  of the lattice, with the extent map.reach()
 /// @param unfaded  the result without a fade, if it is known; only the rest is sampled then
 /// @return the grid itself, or `unfaded`, if nothing changes

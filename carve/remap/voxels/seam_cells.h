@@ -11,7 +11,7 @@ namespace fluidcarve {
 /// displaced differently.
 bool along_seam(const CarveMap& map, openvdb::Vec3d at);
 
-/// False if no point of a box lies along a seam; true if some may.
+/// Whether some point of a box may lie along a seam.
 bool may_hold_seam(const CarveMap& map, openvdb::BBoxd range);
 
 /// Whether a carve changes a point: in any step, a corner of non-zero weight of its cell moves, or

@@ -14,8 +14,8 @@
 
 namespace fluidcarve {
 
-/// What of a grid is wider than a given width: its values, smoothed, in coarse cells around its
-/// active voxels. Beyond, and where voxels are inactive, it is the background.
+/// The low-frequency part of a grid: its values, smoothed, in coarse cells around its active
+/// voxels. Inactive voxels, and places beyond the cells, count as background.
 class SlowPart {
 public:
     /// @param grid   of floats, doubles or vectors of them
@@ -26,8 +26,8 @@ public:
         for (std::size_t c = 0; c < components<GridT>; ++c)
             background_[c] = component(grid.background(), c);
         if (box.empty()) return;
-        // Cells are blocks of voxels of which a leaf holds whole ones, so that each leaf writes its
-        // own. Smoothing adds to their width.
+        // A leaf holds whole cells, so that no two leaves write the same one. Smoothing adds to
+        // their width.
         while ((1 << shift_) * 1.5 * deviation_of_cell < sigma && shift_ < 3) ++shift_;
         scale_ = 1.0 / (1 << shift_);
         low_ = box.min() - openvdb::Coord(2 << shift_);
@@ -142,7 +142,7 @@ private:
     openvdb::Coord low_{0}, size_{0};
     std::size_t count_ = 1;  ///< components
     std::array<float, 3> background_{};
-    std::vector<float> values_;  ///< `[x][y][z][component]`, beside the background
+    std::vector<float> values_;  ///< `[x][y][z][component]`, minus the background
 };
 
 }  // namespace fluidcarve

@@ -53,7 +53,7 @@ public:
           last_before_(step.last_before()) {}
 
     /// @param vertex  of the voxel of the first point
-    /// @return whether the step has the line; if not, nothing is found
+    /// @return whether the line is in the step's lattice; if not, nothing is found
     FLUIDCARVE_INLINE bool find(const Coord& vertex, LineSources& out) const {
         out.freed = 0;
         // A point between two columns, or between two entries of one, moves by their mean.
@@ -87,7 +87,7 @@ private:
     FLUIDCARVE_INLINE Eight displacements(const Coord& vertex) const {
         return eight_entries(soft_, soft_.column(vertex[lateral_], vertex[slice_]), vertex[axis_]);
     }
-    /// Points beyond the ends stay, or nothing comes to them.
+    /// Points beyond the ends stay, or are freed.
     void leave_or_free(double u, const CarveStep::Ends& ends, LineSources& out) const {
         for (int n = 0; n < 8; ++n) {
             const double point = u + n;

@@ -18,18 +18,20 @@
 
 namespace fluidcarve {
 
-/// Where the content of the 8^3 points of a block comes from under a smoothed step. Each point
-/// belongs to a voxel; arrays are ordered as a leaf is. Content moves only along the lines of
-/// voxels that run along the step's axis.
+/// The sources of a block's 8^3 points under a smoothed step. Each point belongs to a voxel;
+/// arrays are in the order of a leaf. Content moves only along the lines of voxels that run along
+/// the step's axis.
 struct SoftSources {
     static constexpr std::size_t voxels = 512;
-    /// Entries from a point to the one whose content it gets.
+    /// Entries from a point to the last one at or below its source.
     std::array<std::int32_t, voxels> shift;
-    std::array<float, voxels> part;  ///< of the way from there to the next entry, 0 to 1
-    /// A bit for each point, whether the step has its line; others stay as they are.
+    std::array<float, voxels> part;  ///< position of the source between that entry and the next, 0
+                                     ///< to 1
+    /// A bit for each point: whether its line is in the step's lattice. Other points do not
+    /// change.
     std::array<std::uint8_t, voxels / 8> in_lines;
-    std::array<std::uint8_t, voxels / 8> freed;  ///< likewise, whether nothing comes there
-    int least, most;  ///< shifts in lines of the step; none: `least` is larger
+    std::array<std::uint8_t, voxels / 8> freed;  ///< likewise: whether the step frees the point
+    int least, most;  ///< bounds of the shifts; `least` is larger if no line is in the lattice
 };
 
 /// The lines of voxels along a step's axis.
@@ -48,7 +50,7 @@ struct StepLines {
     }
 };
 
-/// Where points stand beside their voxels.
+/// Offset of points from their voxels.
 struct Beside {
     int axis = 0;  ///< of the lattice
     /// Half a vertex below the voxel's vertex (-1) or above it (1); 0: at the vertex.
@@ -57,12 +59,12 @@ struct Beside {
 
 /// Finds the sources of the points of a block.
 /// @param lines  of a smoothed step
-/// @param block  the voxel of the lowest indices
+/// @param block  the block's first voxel
 void find_sources(const StepLines& lines, const openvdb::Coord& block, const Beside& beside,
                   SoftSources& out);
 
 /// Carves blocks of a grid whose voxels stand on the vertices, under a single smoothed step. Each
-/// value comes from between two voxels of a line.
+/// value is interpolated between two voxels of a line.
 template <class GridT>
 class SoftBlock {
     using TreeT = typename GridT::TreeType;
@@ -87,9 +89,9 @@ public:
     /// c.
     bool staggered() const { return staggered_; }
 
-    /// Carves the block that a leaf stands for.
+    /// Carves the block of a leaf.
     /// @param window  holds all voxels that the step may read
-    /// @param held    these voxels
+    /// @param held    index box of these voxels
     /// @return false if the block stays as it is; then `out` is not set
     bool carve(const BlockWindow<TreeT>& window, const openvdb::CoordBBox& held, Leaf& out) {
         const auto components = staggered_ ? std::size_t{3} : 1;
@@ -125,8 +127,8 @@ private:
     /// Carves eight voxels along z.
     /// @param n      offset of the first one in the leaf
     /// @param first  its place in voxels_
-    /// @param next   from a place to that of the next entry
-    /// @param row    as before the carve, if some voxels stay so
+    /// @param next   step in voxels_ to the next entry
+    /// @param row    the voxels before the carve, if some of them stay
     void carve_row(std::size_t n, std::ptrdiff_t first, std::ptrdiff_t next,
                    std::array<Voxel, 8>& row) const {
         if constexpr (has_faces) {
@@ -182,8 +184,8 @@ private:
 
     static std::size_t place(std::ptrdiff_t at) { return static_cast<std::size_t>(at); }
 
-    /// The value between two; where one is not finite, the nearer one.
-    /// @param part  of the way to the second, 0 to 1
+    /// Interpolates between two values; if the result is not finite, returns the nearer one.
+    /// @param part  position between them, 0 to 1
     template <class T>
     static T mix(const T& from, const T& to, float part) {
         using Weight = typename openvdb::VecTraits<T>::ElementType;

@@ -14,8 +14,7 @@
 
 namespace fluidcarve {
 
-/// The voxels of an index box, copied from leaves and tiles into arrays, so that voxels that are
-/// read often are found at once.
+/// The voxels of an index box, copied from leaves and tiles into arrays for fast repeated reads.
 template <class TreeT>
 class VoxelWindow {
 public:
@@ -69,7 +68,7 @@ public:
     }
     Value value(std::size_t place) const { return Value(values_[place]); }
     const auto& values() const { return values_; }
-    /// Where a voxel is: the place of one beside it, along index axis `axis`, is step(axis) further
+    /// Index of a voxel in the window. Its neighbour along index axis `axis` is step(axis) further
     /// on.
     std::ptrdiff_t place(const openvdb::Coord& at) const {
         const auto from = at - low_;

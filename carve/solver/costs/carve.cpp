@@ -24,7 +24,7 @@ struct Places {
     }
 };
 
-// Both mix two codes. @param part  of the second one, above 0
+// Both interpolate between two codes. @param part  weight of the second one, above 0
 std::uint16_t mixed_energy(std::uint16_t a, std::uint16_t b, float part) {
     for (const auto mark : {protected_code, attracted_code})
         if (a == mark || b == mark) return mark;
@@ -35,8 +35,8 @@ std::uint16_t mixed_field(std::uint16_t a, std::uint16_t b, float part) {
     return encode_field((1 - part) * decode_field(a) + part * decode_field(b));
 }
 
-/// Calls `visit(from, part)` for each entry of a column that seams leave: its content comes from
-/// entry `from` and, by a part, from the next.
+/// Calls `visit(from, part)` for each entry of a column after the carve: its content is that of
+/// entry `from`, mixed with the share `part` of the next.
 template <class Visit>
 void each_seam_source(const CarveStep& step, int lateral, int slice, const Visit& visit) {
     const auto bounds = step.bounds(lateral, slice);
@@ -88,8 +88,7 @@ std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const P
             auto* target = out.data() + column(after);
             int entries = 0;
             const auto set = [&](int entry, float part) {
-                // Of the vertices that a coarse entry stands for, the first tells where it comes
-                // from.
+                // A coarse entry moves as the first of its vertices.
                 if (entries++ % finest != 0) return;
                 if (finest > 1) {
                     entry = entry < 0 ? -1 : entry / finest;

@@ -16,8 +16,8 @@ namespace fluidcarve {
 /// @param codes   energy codes, laid out as by sample_columns()
 /// @param shape  I, J, K of the frame at full size; the steps carve it in order
 /// @param axis   along which the codes are contiguous; the steps' own axes may differ
-/// @param finest  2: the codes are at half size, and so is the result: each entry comes from the
-///   one where its first vertex comes from
+/// @param finest  2: the codes and the result are at half size; each coarse entry moves as its
+///   first vertex does
 /// @return the carved codes, laid out the same way
 std::vector<std::uint16_t> carve_energy(std::vector<std::uint16_t> codes,
                                         const std::array<int, 3>& shape, Axis axis,

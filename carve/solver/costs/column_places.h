@@ -48,10 +48,10 @@ public:
         return snapped(linear_ ? at : transform_.worldToIndex(at));
     }
 
-    /// The entries of the column that may lie in a box; some beside them may not.
+    /// A range that holds all entries of the column within a box, and maybe more.
     /// @param box      of voxels; may be empty
     /// @param entries  of the column
-    /// @return empty if none do: first 0, last -1
+    /// @return first 0, last -1 if no entry lies in the box
     Window within(const openvdb::CoordBBox& box, int entries) const {
         constexpr Window none{0, -1};
         if (box.empty()) return none;

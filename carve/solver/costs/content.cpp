@@ -16,7 +16,7 @@ using openvdb::Coord;
 using openvdb::Vec3d;
 using Leaf = openvdb::FloatTree::LeafNodeType;
 
-/// Tells whether a place is in a lattice, or near its rims.
+/// Decides whether a place is in a lattice, or near its rims.
 class Reach {
 public:
     Reach(const Lattice& lattice, double voxel_size)
@@ -25,7 +25,7 @@ public:
                   2 +
               hair),
           around_(lattice.around),
-          // A mapping can't tell what is before its first vertices.
+          // A mapping can't locate places before its first vertices.
           before_(around_ ? 0 : static_cast<int>(std::ceil(margin_))),
           shape_(lattice.shape),
           mapping_(lattice.is_box() ? Mapping(lattice)
@@ -106,7 +106,7 @@ Content content_in(const openvdb::FloatGrid& grid, const Lattice& lattice) {
         seen += voxels;
         if (reaches(transform.indexToWorld(at))) inside += voxels;
     }
-    // Sparse voxels may all stand beside the slots that are looked at.
+    // If voxels are sparse, none may lie in the sampled slots.
     out.inside = static_cast<double>(out.voxels) * (seen > 0 ? inside / seen : 1);
     return out;
 }

@@ -10,8 +10,8 @@ namespace fluidcarve {
 
 /// How much of a grid's content lies in a lattice.
 struct Content {
-    std::uint64_t voxels = 0;  ///< active ones, those of tiles included
-    /// How many of them lie in the lattice; of many voxels, an estimate by some.
+    std::uint64_t voxels = 0;  ///< active voxels, including those of tiles
+    /// Number of them in the lattice; an estimate from a sample if there are many voxels.
     double inside = 0;
 
     void add(const Content& other) {
@@ -23,8 +23,8 @@ struct Content {
     }  ///< 0 to 1; only if there are voxels
 };
 
-/// Counts the active voxels of a grid in a lattice. A voxel lies in it if its centre is no further
-/// from the vertices than half of a spacing, or half of a voxel if that is more. Looks at 65536
+/// Counts the active voxels of a grid in a lattice. A voxel lies in the lattice if its centre is
+/// at most half a spacing from the vertices, or half a voxel if that is more. Looks at 65536
 /// voxels at most, spread evenly.
 Content content_in(const openvdb::FloatGrid& grid, const Lattice& lattice);
 

@@ -7,7 +7,7 @@
 
 namespace fluidcarve {
 
-// Small values are converted, since floats as small as their bits are slow.
+// Small codes are converted as integers: as bits of a float they would be denormal, which is slow.
 
 FLUIDCARVE_WIDE void decode_energies(std::span<const std::uint16_t> codes, std::span<float> out) {
     for (std::size_t n = 0; n < codes.size(); ++n) {

@@ -6,7 +6,7 @@
 namespace fluidcarve {
 
 /// decode_energy() of many codes, by vector instructions.
-/// @param codes  at most highest_energy_code; others decode to numbers without meaning
+/// @param codes  at most highest_energy_code; others decode to meaningless numbers
 /// @param out    as many
 void decode_energies(std::span<const std::uint16_t> codes, std::span<float> out);
 

@@ -16,7 +16,7 @@ namespace {
 constexpr double widths_of_half =
     1.5;  ///< width of an eddy, in distances at which the correlation is a half
 constexpr std::size_t most_lags = 256;        ///< vertices: eddies are hardly wider
-constexpr std::size_t most_columns = 20'000;  ///< of those that there are, so many suffice
+constexpr std::size_t most_columns = 20'000;  ///< measured columns; more are not needed
 
 /// Sums of products of the content's values at each distance from each other.
 struct Lags {

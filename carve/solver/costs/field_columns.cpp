@@ -13,10 +13,11 @@ namespace {
 /// Columns that one thread takes at a time.
 constexpr std::size_t columns_at_once = 1024;
 
-/// Up to this many entries are decoded four by four, without a look at where the run ends.
+/// Up to this many entries are decoded four by four, without a check for the end of the run.
 constexpr std::size_t most_by_lanes = 4 * lane_count;
 
-/// The first and the last entry that is not 0, with the entry beside each if there is one.
+/// The range from the first to the last entry that is not 0, with one more entry at each end if it
+/// exists.
 FieldRun run_in(std::span<const std::uint16_t> codes) {
     std::size_t first = 0, end = codes.size();
     while (first < end && codes[first] == 0) ++first;
@@ -55,7 +56,7 @@ void FieldRun::remove(int entry, int width, const std::uint16_t* column) {
     if (entry >= end) return;
     const bool before = entry < first, at_begin = entry == first && first > 0,
                at_end = entry == end - 1 && end <= width;
-    // An end of the run moves on: the next entry, of 0, takes its place.
+    // The removed entry was an end of the run: the next entry, which is 0, takes its place.
     if (before || at_begin) {
         --first;
         --end;

@@ -17,8 +17,8 @@ namespace fluidcarve {
 /// is 0, unless the column begins or ends there. So all edges of the field lie in it.
 struct FieldRun {
     std::uint16_t* codes = nullptr;     ///< field codes of its entries
-    std::uint16_t* energies = nullptr;  ///< energy codes of its entries before edges are counted;
-                                        ///< null: they are not counted
+    std::uint16_t* energies = nullptr;  ///< energy codes of its entries without edge costs; null:
+                                        ///< edges cost nothing
     int first = 0, end = 0;             ///< its entries; end is behind the last
 
     bool has(int entry) const { return entry >= first && entry < end; }
@@ -28,20 +28,22 @@ struct FieldRun {
         return decode_field(
             static_cast<std::uint16_t>(codes[entry - first] & -static_cast<int>(has(entry))));
     }
-    /// The same of four entries, up to 8 before or behind the column: there it is 0.
+    /// The field at four entries from `entry` on. They may lie up to 8 entries outside the column,
+    /// where the field is 0.
     Lanes values(int entry) const {
         return within(field_lanes(codes + (entry - first)), lanes_within(first, end - 1, entry));
     }
-    /// The same of many entries, likewise.
+    /// The field at many entries, likewise.
     /// @param entry  the first of them
     void read(int entry, std::span<float> out) const;
     /// Deletes an entry of the column; those behind it move up.
-    /// @param width   entries that are left
-    /// @param column  energy codes of all these
+    /// @param width   number of entries left
+    /// @param column  energy codes of the entries left
     void remove(int entry, int width, const std::uint16_t* column);
 };
 
-/// The field of a sequence in columns. It holds what is not 0, so its size is that of the content.
+/// The field of a sequence in columns. It stores only the part of each column that is not 0, so
+/// its size is that of the content.
 class FieldColumns {
 public:
     /// A field of 0.
@@ -68,11 +70,11 @@ public:
     std::uint64_t bytes() const;  ///< of codes and runs
 
 private:
-    /// Codes of frames. Beyond a budget of memory they are in files.
+    /// Codes of frames; in files beyond a memory budget.
     class Codes {
     public:
         Codes(std::size_t frames, std::uint64_t budget, std::string folder);
-        /// Makes room for so many codes of a frame, in place of those it had.
+        /// Makes room for `count` codes of a frame, in place of its old ones.
         std::uint16_t* make(std::size_t t, std::size_t count);
         std::uint64_t bytes() const;
 
@@ -85,8 +87,8 @@ private:
     /// Makes room for the codes of a frame's runs, between margins.
     void make(Codes& codes, std::size_t t, std::uint16_t* FieldRun::*of);
 
-    /// Codes before the first run and behind the last. Runs are read without branches: what lies
-    /// beside them is read, too, and then ignored.
+    /// Codes before the first run and behind the last. Runs are read without branches, so codes
+    /// beside them are read too, and ignored.
     std::size_t margin() const { return width_ + most_beside; }
 
     /// Entries before and behind a column that may be read.

@@ -26,7 +26,7 @@ std::size_t plane_size(const std::array<int, 3>& shape) {
     return static_cast<std::size_t>(shape[0]) * static_cast<std::size_t>(shape[1]);
 }
 
-/// What is counted while a frame is sampled.
+/// Counts taken while a frame is sampled.
 struct Counts {
     std::size_t attract = 0, protect = 0;
     bool content = false;  ///< whether the energy at a vertex differs from the background
@@ -74,7 +74,7 @@ private:
     struct Range {
         int begin, end;
     };
-    /// Samples the columns that some coarse ones stand for.
+    /// Samples the fine columns of some coarse columns.
     void sample(const Range& laterals, const Range& slices, Counts& counts, FrameEnergy& out) {
         const auto width = static_cast<std::size_t>(width_), coarse_width = halved(width);
         std::vector<std::uint16_t> codes(width);
@@ -191,7 +191,7 @@ FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, A
     if (grids.attract) out.attract = counts.attract;
     if (grids.protect) out.protect = counts.protect;
     out.content = content_in(grids.energy, *lattice);
-    // What counts by some voxels may miss the few that a vertex sees.
+    // A count from a sample of voxels may miss the few that vertices meet.
     if (out.content.inside == 0 && counts.content) out.content.inside = 1;
     if (grids.attract) out.attract_missed = missed_range(*grids.attract);
     if (grids.protect) out.protect_missed = missed_range(*grids.protect);

@@ -25,13 +25,14 @@ struct FrameEnergy {
     std::optional<std::size_t> protect,
         attract;  ///< number of vertices that each mask marks; nothing: no mask
     std::optional<MissedRange> protect_missed,
-        attract_missed;  ///< why a mask is empty, if it says so
+        attract_missed;  ///< why a mask is empty, if known
     openvdb::math::Transform::ConstPtr transform,
         field_transform;  ///< of the grids; field_transform is null without a field
     /// World box of the energy's active voxels; nothing: none.
     std::optional<openvdb::BBoxd> active;
     Content content;  ///< of the energy: how much of it lies in the lattice
-    /// width_in() of what percentages count; nothing: they count the lattice's vertices.
+    /// width_in() of the content to which percentages refer; nothing: they refer to the lattice's
+    /// vertices.
     std::optional<int> width;
 };
 
@@ -42,7 +43,7 @@ struct FrameGrids {
     const openvdb::GridBase *protect = nullptr, *attract = nullptr;
 };
 
-/// Checks that the codes of one frame fit in memory, before room is made for them.
+/// Checks that the codes of one frame fit in memory, before they are allocated.
 /// @param budget  as in grid_fits
 /// @param finest  1 or 2
 /// @throws Failure naming the vertices, their memory, the voxels of the energy and a spacing that

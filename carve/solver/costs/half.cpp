@@ -60,7 +60,7 @@ void MeanEnergy::add(std::span<const std::uint16_t> codes, std::size_t from) {
     add_pairs(energies, std::span(sums_).subspan(from / 2));
 }
 
-/// The same as decoding, where some are marked: these have no energy.
+/// Decodes energies if some entries are marked; marked entries have no energy.
 void MeanEnergy::read_marks(std::span<const std::uint16_t> codes, std::size_t from) {
     for (std::size_t n = 0; n < codes.size(); ++n) {
         values_[n] = codes[n] < protected_code ? decode_energy(codes[n]) : 0;
@@ -95,7 +95,7 @@ void MeanField::add(std::span<const std::uint16_t> codes, std::size_t from) {
     const auto pairs = (values.size() - n) / 2;
     for (std::size_t p = 0; p < pairs; ++p) sums[p] += values[n + 2 * p] + values[n + 2 * p + 1];
     n += 2 * pairs;
-    // A column's last entry, without another, counts twice; it is halved with the others.
+    // A last entry without a partner counts twice, since all sums are halved later.
     if (n < values.size())
         sums[pairs] += from + n + 1 == values_.size() ? 2 * values[n] : values[n];
 }

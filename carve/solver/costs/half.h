@@ -20,8 +20,8 @@ inline float cost_of_pair(float a, float b) {
     return share_of_mean * 0.5f * (a + b) + (1 - share_of_mean) * std::min(a, b);
 }
 
-/// Adds the costs of the pairs of a column to those of half its length; an odd last entry is one by
-/// itself.
+/// Adds cost_of_pair() of each pair of a column's entries to `sums`; an odd last entry is a pair
+/// by itself.
 /// @param sums  halved(energies.size())
 void add_pairs(std::span<const float> energies, std::span<float> sums);
 
@@ -50,7 +50,7 @@ protected:
     /// @param from  its first entry that is given; even
     /// @param size  number of those entries
     void count(std::size_t from, std::size_t size);
-    /// Begins anew.
+    /// Starts over.
     void reset();
 
     std::vector<float> values_, sums_;
@@ -67,10 +67,10 @@ public:
     explicit MeanEnergy(std::size_t width) : MeanColumn(width), marks_(halved(width)) {}
 
     /// Adds a column.
-    /// @param codes  from entry `from` on, which is even, to the column's end or before an even
-    ///   entry; the others are 0
+    /// @param codes  from entry `from` on, which is even, up to the column's end or an even entry;
+    ///   all others are 0
     void add(std::span<const std::uint16_t> codes, std::size_t from = 0);
-    /// Takes the codes of the mean, and begins anew.
+    /// Writes the codes of the mean, and starts over.
     void end(std::span<std::uint16_t> out);
 
 private:
@@ -87,9 +87,9 @@ class MeanField : MeanColumn {
 public:
     using MeanColumn::MeanColumn;
     /// Adds a column.
-    /// @param codes  from entry `from` on; the others are 0
+    /// @param codes  from entry `from` on; all others are 0
     void add(std::span<const std::uint16_t> codes, std::size_t from = 0);
-    /// As of MeanEnergy.
+    /// As MeanEnergy::end().
     void end(std::span<std::uint16_t> out);
 };
 

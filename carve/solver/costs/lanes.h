@@ -20,7 +20,7 @@ inline LaneBits load_codes(const std::uint16_t* codes) {
     return __builtin_convertvector(four, LaneBits);
 }
 
-// Small values are converted, since floats as small as their bits are slow.
+// Small codes are converted as integers: as bits of a float they would be denormal, which is slow.
 
 /// decode_energy() of four codes, at most highest_energy_code.
 inline Lanes energy_lanes(const std::uint16_t* codes) {
@@ -41,7 +41,7 @@ inline Lanes field_lanes(const std::uint16_t* codes) {
                                 (bits & 0x8000) << 16);
 }
 
-/// Four values that follow one another.
+/// Four consecutive values.
 inline Lanes load_values(const float* values) {
     Lanes out;
     std::memcpy(&out, values, sizeof out);
@@ -50,7 +50,7 @@ inline Lanes load_values(const float* values) {
 
 inline void store_values(Lanes values, float* out) { std::memcpy(out, &values, sizeof values); }
 
-/// Which lanes are of entries within an interval.
+/// A mask of the lanes whose entries lie in an interval.
 /// @param base  the entry in the first lane
 inline LaneMask lanes_within(int low, int high, int base) {
     constexpr LaneMask places{0, 1, 2, 3};
@@ -62,7 +62,7 @@ inline Lanes within(Lanes values, LaneMask mask) {
     return std::bit_cast<Lanes>(std::bit_cast<LaneMask>(values) & mask);
 }
 
-/// The lanes without that of an entry, which becomes 0.
+/// The lanes, with that of an entry set to 0.
 inline Lanes without(Lanes values, int base, int entry) {
     constexpr LaneMask places{0, 1, 2, 3};
     return std::bit_cast<Lanes>(std::bit_cast<LaneMask>(values) & (places != entry - base));

@@ -20,7 +20,7 @@ namespace fluidcarve {
 struct MarkCounts {
     std::optional<std::size_t> protect, attract;
     std::optional<MissedRange> protect_missed{},
-        attract_missed{};  ///< why a mask is empty, if it says so
+        attract_missed{};  ///< why a mask is empty, if known
 };
 
 /// Where a mask is set, that is, active, in the columns of a lattice. A mask is set around a vertex
@@ -49,7 +49,7 @@ public:
         bool set_around(const openvdb::Vec3d& at) const;
 
         const MaskColumns& mask_;
-        const openvdb::CoordBBox reach_;  ///< of all places around which the mask may be set
+        const openvdb::CoordBBox reach_;  ///< holds all places around which the mask may be set
         openvdb::tree::ValueAccessor<const openvdb::MaskTree> set_;
         ColumnPlaces places_;
     };
@@ -59,7 +59,7 @@ private:
     const Lattice& lattice_;
     const openvdb::math::Transform& transform_;
     const openvdb::MaskTree set_;
-    /// Of the lowest of the 8 voxels around a vertex, if any of them may be set.
+    /// Holds the lowest of the 8 voxels around a vertex, if any of the 8 may be set.
     openvdb::CoordBBox box_;
     const std::optional<Alignment> alignment_;
 };

@@ -7,9 +7,8 @@
 
 namespace fluidcarve {
 
-/// Typical values of a sequence where there is something to see. They are the units of rigidity,
-/// edges and empty space, so that the same weights serve any energy, field and resolution (METHOD
-/// 10).
+/// Typical values of a sequence's content. They are the units of rigidity, edges and empty space,
+/// so that the same weights serve any energy, field and resolution (METHOD 10).
 struct Typical {
     double energy = 1;  ///< mean energy of the vertices with content
     double edge = 1;  ///< mean edge of the field there: the difference between the vertices before

@@ -24,7 +24,7 @@ namespace {
 
 using openvdb::Vec3d;
 
-// How values are encoded, and the message about a value that cannot be.
+// The encoding of values, and the message about a value that cannot be encoded.
 struct EnergyCode {
     static std::uint16_t encode(float value) { return encode_energy(value); }
     static constexpr std::uint16_t invalid = invalid_energy_code;
@@ -43,7 +43,7 @@ struct FieldCode {
 };
 
 /// Encodes entries of a column one by one.
-/// @param among   the others have the code of `beyond`
+/// @param among   entries to read; all others get the code of `beyond`
 template <class Code, class Read>
 ColumnSampler::Sampled encode_each(Read& read, const Window& among, float beyond,
                                    std::span<std::uint16_t> codes) {
@@ -84,7 +84,8 @@ public:
         first_ = alignment_.voxel(first[0], first[1], first[2]);
     }
     float operator()(int entry) { return values_.getValue(at(entry)); }
-    /// Encodes the column: entries in one leaf at once, and those outside of leaves by one value.
+    /// Encodes the column run by run: the entries in one leaf at once, and entries outside of
+    /// leaves by one value.
     template <class Code>
     ColumnSampler::Sampled encode(std::span<std::uint16_t> codes) {
         if (!in_same_blocks()) find_runs();
@@ -224,7 +225,7 @@ public:
     float operator()(int entry) {
         auto at = first_;
         at[static_cast<int>(axis_)] += entry;
-        // Within a plane, vertices are one spacing apart, but around a rig. Else only the distance
+        // Except around a rig, vertices of a plane are one spacing apart: only the distance
         // between planes varies.
         const auto& plane = lattice_.planes[static_cast<std::size_t>(at.z())];
         const auto across =

@@ -18,7 +18,7 @@ namespace fluidcarve {
 /// How much a vertex counts.
 enum class Measure {
     vertex,  ///< as much as any other
-    volume,  ///< as much as the space nearest to it, in cubes of the lattice's spacing
+    volume,  ///< as much as the volume nearest to it, in cubes of the lattice's spacing
 };
 
 /// Samples columns of a grid at the vertices of a lattice, as codes. One thread uses it at a time.
@@ -34,7 +34,7 @@ public:
     /// @param codes  one for each entry
     virtual Sampled operator()(int lateral, int k, std::span<std::uint16_t> codes) = 0;
     /// Reports a column in which a value has no code.
-    /// @throws Failure naming the place of the first one
+    /// @throws Failure naming the place of the first such value
     virtual void report(int lateral, int k) = 0;
 };
 using MakeSampler = std::function<std::unique_ptr<ColumnSampler>()>;
@@ -48,7 +48,7 @@ using MakeSampler = std::function<std::unique_ptr<ColumnSampler>()>;
 /// @return makes a sampler for a thread; grid and lattice must outlive it
 MakeSampler energy_sampler(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis,
                            Measure measure);
-/// The same for a field, as field codes, always at the vertices.
+/// The same for a field, as field codes, with Measure::vertex.
 MakeSampler field_sampler(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis);
 
 /// Samples all columns of a lattice. Each is contiguous along the carved axis; column `(lateral,
@@ -62,7 +62,7 @@ inline void sample_energy(const openvdb::FloatGrid& energy, const Lattice& latti
     sample_columns(energy_sampler(energy, lattice, axis, measure), lattice, axis, codes);
 }
 
-/// The first column of a lattice in which a value has no code, whichever thread meets it.
+/// Finds the first column of a lattice in which a value has no code, for any order of threads.
 class FirstInvalid {
 public:
     void meet(std::size_t column) {

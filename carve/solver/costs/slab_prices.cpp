@@ -19,10 +19,11 @@ namespace {
 
 constexpr float slope_weight = 4;  ///< of differences of slope, beside differences of value
 constexpr float level_of_mean =
-    0.5f;  ///< field, in mean fields of content, that is seen half as well as the brightest
+    0.5f;  ///< field at which visibility is a half, in mean fields of content
 constexpr double outline_price = 1;  ///< of an outline in a slab, in mean prices of content
-constexpr double keep_away = 3;      ///< times dearer is a slab where another was taken
-constexpr double away = 3;           ///< thicknesses from it that are dearer
+constexpr double keep_away = 3;      ///< factor by which a slab is dearer where another was taken
+constexpr double away = 3;           ///< distance from a taken slab up to which slabs are dearer,
+                                     ///< thicknesses
 
 /// Vertices on either side of a slab's face over which both sides are compared; they are faded over
 /// as many.
@@ -81,7 +82,7 @@ void smooth(std::vector<float>& values, std::size_t count, std::size_t stride, s
 
 }  // namespace
 
-/// One column: all that slabs are priced by, as sums from its beginning on.
+/// One column: the terms of the prices of its slabs, as running sums.
 class SlabPrices::Column {
 public:
     Column(const SlabPrices& prices, int width, int thickness)
@@ -101,7 +102,7 @@ public:
 
     /// @param codes  energy codes of its entries
     void read(const FieldRun& field, std::span<const std::uint16_t> codes) {
-        // What lies beside a column is empty.
+        // Space beside a column is empty.
         field.read(0, std::span(field_).subspan(static_cast<std::size_t>(pad_),
                                                 static_cast<std::size_t>(width_)));
         const auto size = field_.size();
@@ -112,7 +113,7 @@ public:
         const auto content = [&](std::size_t n) {
             return std::abs(field_[n]) > prices_.content_ ? 1 : 0;
         };
-        // Whether something is seen, as the mean of three entries: a single one counts less.
+        // Content is the mean of three entries, so that a single entry counts less.
         const auto around = [&](std::size_t n) {
             return n == 0 || n + 1 >= size ? 0 : content(n - 1) + content(n) + content(n + 1);
         };
@@ -128,7 +129,7 @@ public:
             energies_[n + 1] = energies_[n] + (codes[n] < protected_code ? energy_[n] : 0);
     }
 
-    // Of the slab that begins at an entry:
+    // For the slab that begins at an entry:
     bool content(int entry) const {
         return over(contents_, entry - half_, entry + thickness_ + half_) > 0;
     }
@@ -263,7 +264,7 @@ EnergyVolume SlabPrices::of(const EnergyVolume& volume, int thickness, float emp
     const int slabs = volume.width() - thickness + 1;
     EnergyVolume out({slabs, volume.laterals(), volume.slices()}, Axis::u, volume.frames(),
                      memory_budget, folder, volume.closed(), volume.around());
-    // The frame, those before and behind.
+    // The frame, and its neighbours before and behind.
     std::array<std::vector<float>, 3> frames{frame(volume, thickness, 0), {}, {}};
     frames[1] = frames[0];
     const auto columns = volume.columns_per_frame();

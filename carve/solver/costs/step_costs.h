@@ -11,17 +11,16 @@
 
 namespace fluidcarve {
 
-/// What a step costs, beside the edge that it makes.
+/// Prices of a step, and of the edge that it makes.
 struct StepPrice {
-    float rigidity = 0;    ///< of any step
-    float in_nothing = 0;  ///< of one between two entries of which the field shows nothing
-    float weight = 0;      ///< per unit by which the field changes across the new edge
+    float rigidity = 0;    ///< cost of any step
+    float in_nothing = 0;  ///< cost of a step between two entries where the field is 0
+    float weight = 0;      ///< cost per unit by which the field changes across the new edge
 
-    /// The rigidity of steps that put two values of the field beside each other, of one or of
-    /// many.
+    /// Rigidity of a step, or of several, that puts two field values side by side.
     template <class Values>
     FLUIDCARVE_INLINE Values rigid(Values value, Values other) const {
-        // Above any rigidity as soon as something shows.
+        // Makes the price exceed any rigidity unless both values are about 0.
         constexpr float surely = 1e25f;
         const Values price = in_nothing + surely * (value * value + other * other),
                      most = Values{} + rigidity;
@@ -29,7 +28,7 @@ struct StepPrice {
     }
 };
 
-/// What steps cost: nothing, always the same, or what the field says.
+/// What steps cost: nothing, a constant, or a price that depends on the field.
 enum class Stepping { free, rigid, field };
 
 /// Costs of steps: a seam pays for being at different entries in neighbouring columns (METHOD 8
@@ -74,7 +73,7 @@ public:
                      bool in_time) const {
         return (*this)(field(column), entry, field(other), entry_there, in_time);
     }
-    /// The same with the columns' field(), for who asks again and again.
+    /// The same with the columns' field(), for repeated calls.
     float operator()(const FieldRun* column, int entry, const FieldRun* other, int entry_there,
                      bool in_time) const {
         if (entry == entry_there) return 0;
@@ -85,7 +84,7 @@ public:
     }
     /// The field of a column; null: no field.
     const FieldRun* field(std::size_t column) const { return field_ ? field_ + column : nullptr; }
-    /// The same costs, with columns counted from another one.
+    /// The same costs, with column indices counted from `column`.
     StepCosts from(std::size_t column) const { return {prices_, field(column)}; }
 
 private:

@@ -9,7 +9,7 @@
 
 namespace fluidcarve {
 
-/// A sum of numbers, and how many they are.
+/// A sum of numbers, and their count.
 struct Sum {
     double value = 0;
     std::size_t count = 0;

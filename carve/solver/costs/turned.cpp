@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::size_t block_bytes = std::size_t{64} << 20;  ///< at least
 
-/// Turns one list of codes per frame, some layers at once: for these, all frames are read.
+/// Exchanges time and u of one list of codes per frame, some layers at once. All frames are read
+/// for each block of layers.
 /// @param budget  bytes that may be held
 /// @param read    gives a frame's codes
 /// @param write   takes a layer's codes

@@ -8,8 +8,8 @@
 namespace fluidcarve {
 
 /// An energy with time and `u` exchanged, for seams of frames (Axis::t): the entries of a column
-/// `(j, k)` are its frames, and each vertex along u takes the place of a frame. Nothing that seams
-/// pay is set.
+/// `(j, k)` are its frames, and each vertex along u takes the place of a frame. Field weight,
+/// rigidity and marks are not set.
 /// @param from    of Axis::u, at full or half size
 /// @param budget  bytes of energies that may be held in memory, and as many of the field
 /// @throws Failure as FrameStore

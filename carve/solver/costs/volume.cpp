@@ -76,8 +76,8 @@ void EnergyVolume::set_edges(std::size_t column, int first, int last) {
         const int count = std::min(most, last - first + 1);
         const auto given = static_cast<std::size_t>(count);
         decode_energies({&run.energy(first), given}, energies);
-        // The first and the last entry of a column have themselves in place of the neighbour that
-        // is missing. So have those of a run: both are 0.
+        // At the ends of a column, the entry itself replaces the missing neighbour. The same holds
+        // at the ends of a run, where both are 0.
         const int before = std::max(first - 1, run.first),
                   behind = std::min(first + count, run.end - 1);
         const bool at_begin = before == first;
@@ -200,7 +200,7 @@ void EnergyVolume::hand_on(std::size_t column, int entry, Window window) {
                 if (energies) energies[e] = energy;
             });
     } else {
-        // In the field's run, energies without edges stand apart.
+        // In the field's run, energies without edges are stored separately.
         const auto* const run = edges_counted() ? &field(column) : nullptr;
         auto* const codes = codes_of(column);
         const auto share_codes = [&](const auto& code) {

@@ -20,8 +20,8 @@
 namespace fluidcarve {
 
 /// What an entry costs the seam that takes it: its energy; infinity if it is protected; a negative
-/// cost if it is attracted. A seam of least cost passes no protected vertex, and as many attracted
-/// ones as are worth the way.
+/// cost if it is attracted. A seam of least cost passes no protected vertex, and takes attracted
+/// ones where that is worth the detour.
 struct Costs {
     float attraction = 0;  ///< an attracted entry costs minus this
 
@@ -41,7 +41,8 @@ public:
     static constexpr float attraction_of_highest = 64;
 
     /// A volume whose energies are all 0.
-    /// @param memory_budget  bytes that may be held in memory; else files in `folder` are used
+    /// @param memory_budget  bytes of energies that may be held in memory; larger volumes use
+    ///   files in `folder`
     /// @param closed         column k = K-1 is a neighbour of k = 0
     /// @param around         the last lateral column is a neighbour of the first
     /// @throws Failure as FrameStore
@@ -56,22 +57,23 @@ public:
     /// Sets the cost of any step, in space and in time.
     void set_rigidity(const std::array<float, 2>& rigidity) { rigidity_ = rigidity; }
     const std::array<float, 2>& rigidity() const { return rigidity_; }
-    /// Says that entries are prices of slabs of a volume, which lives longer (SlabPrices).
+    /// Declares the entries to be prices of slabs of the volume `of` (SlabPrices), which must
+    /// outlive this.
     void set_slabs(const EnergyVolume& of) { slabs_of_ = &of; }
     bool slabs() const { return slabs_of_ != nullptr; }
-    /// What the entries are of: the volume of the slabs, else this one.
+    /// The volume whose slabs are priced; else this one.
     const EnergyVolume& seen() const { return slabs_of_ ? *slabs_of_ : *this; }
-    /// Sets how far remove() hands on the energy of a deleted entry, in entries to both sides; 0:
-    /// not at all.
+    /// Sets how many entries on each side share the energy of an entry that remove() deletes; 0:
+    /// none.
     void set_spread(int entries) { spread_ = entries; }
-    /// Lets remove() hand on the edges that a deletion makes, if they are counted, in place of the
-    /// energy.
+    /// Makes remove() hand on the edge cost of a deleted entry, if edges are counted, in place of
+    /// its energy.
     void hand_on_edges() { hands_on_edges_ = true; }
     int spread() const { return spread_; }
-    /// Lets steps be free of rigidity where the field shows nothing.
+    /// Frees steps of rigidity where the field is 0.
     void step_freely_in_nothing() { free_in_nothing_ = true; }
     bool steps_freely_in_nothing() const { return free_in_nothing_; }
-    /// Adds a field, of 0, whose new edges cost something.
+    /// Adds a field, all 0. New edges in it cost something.
     /// @param weight  cost per unit by which the field changes across an edge
     void add_field(float weight, std::uint64_t memory_budget, const std::string& folder);
     /// Sets the field of frames, from `t` on.
@@ -99,10 +101,11 @@ public:
                 field_ ? field_->runs().data() : nullptr};
     }
 
-    /// Counts the protected and attracted vertices. Until then there are none.
+    /// Counts the protected and attracted vertices. Until then protects() and attracts() are
+    /// false.
     void find_marks();
     bool protects() const { return protects_; }
-    std::size_t attracted() const { return attracted_; }  ///< vertices that are left
+    std::size_t attracted() const { return attracted_; }  ///< attracted vertices left
     bool attracts() const { return attracted_ > 0; }
     Costs costs() const { return {attraction_}; }
     /// A finite cost that stands for a protected vertex where it must be weighed against others.
@@ -139,20 +142,19 @@ public:
     /// The entries of a sum as energies: attracted vertices count 0.
     const float* energies() const { return energies_.empty() ? sums_.data() : energies_.data(); }
 
-    /// Deletes one entry of each column; the entries behind it move up. Before, its energy goes in
-    /// equal shares to the unmarked entries of the window within `spread()` of it (importance
-    /// diffusion, Cho et al. 2009). So the next seam finds higher energy there, and seams do not
-    /// bunch.
+    /// Deletes one entry of each column; the entries behind it move up. First, the entry's energy
+    /// is added in equal shares to the unmarked entries of the window within `spread()` of it
+    /// (importance diffusion, Cho et al. 2009). So seams do not bunch.
     /// @param at      as Seams::Seam::at, each below width() and inside the window
     /// @param window  the window in which seams are found now
     void remove(std::span<const std::uint16_t> at, Window window);
-    /// The same; the window is the whole axis.
+    /// The same with the whole axis as window.
     void remove(std::span<const std::uint16_t> at) { remove(at, {0, width_ - 1}); }
 
     /// Counts of what a seam meets. In a sum, a marked vertex counts once for each frame that marks
     /// it.
     struct Met {
-        std::size_t zeros = 0;      ///< columns where it meets no energy
+        std::size_t zeros = 0;      ///< columns where the seam meets no energy
         std::size_t attracted = 0;  ///< attracted vertices
         std::size_t blocked = 0;    ///< protected vertices that it passes
     };
@@ -160,9 +162,9 @@ public:
     Met met(std::span<const std::uint16_t> at) const;
 
 private:
-    /// Number of summed frames that attract there.
+    /// Number of summed frames that attract at an entry.
     std::size_t attracted_at(std::size_t place) const;
-    /// Hands the energy of an entry on to those beside it.
+    /// Adds the energy of an entry to its neighbours.
     /// @param column  as in Seams::Seam::at
     void hand_on(std::size_t column, int entry, Window window);
     /// Sets entries of a column to their energy plus the edge that their removal makes. Beyond the

@@ -5,10 +5,10 @@
 
 namespace fluidcarve {
 
-/// How wide what a grid shows (ShownPart) is in a lattice.
-/// @return the number of entries along the axis at which a slice shows something in any of its
-///   columns; the median of all slices that show something, since its ends are often cut obliquely;
-///   0: none does
+/// Width of a grid's visible part (ShownPart) in a lattice.
+/// @return the number of entries along the axis at which any column of a slice has visible
+///   content; the median over all slices with content, since its ends are often cut obliquely; 0
+///   if none has
 int width_in(const FloatGrid& grid, const Lattice& lattice, Axis axis);
 
 }  // namespace fluidcarve

@@ -44,9 +44,9 @@ void Cut::lifts(std::size_t high, std::size_t low, unsigned direction, int first
     std::ranges::reverse(out);
 }
 
-/// Sets the capacities from a column's nodes to those beside them. Where a neighbour's band ends,
-/// there is no such node. Only a seam through the entry next to that end makes the step, so this
-/// entry's cost rises instead.
+/// Sets the capacities from a column's nodes to the nodes beside them. Beyond the end of a
+/// neighbour's band there is no such node. Only a seam through the entry next to that end makes
+/// the step, so this entry's cost rises instead.
 void Cut::add_lifts(std::size_t c, const LiftsOf& lifts_of, std::vector<std::int32_t>& costs,
                     std::vector<std::int32_t>& scratch) {
     const auto& column = graph_.columns[c];
@@ -81,7 +81,7 @@ void Cut::add_lifts(std::size_t c, const LiftsOf& lifts_of, std::vector<std::int
     }
 }
 
-/// Makes the nodes, with as much flow up each column as it takes by itself.
+/// Makes the nodes, with the most flow that each column takes by itself.
 void Cut::fill(const Band& band, const CostOf& cost_of, const LiftsOf& lifts_of) {
     graph_.columns.resize(graph_.layout.count());
     std::uint32_t begin = 0;
@@ -138,8 +138,8 @@ std::vector<Residual::Box> Cut::tiles(std::size_t nodes, bool shifted) const {
     std::ranges::sort(rising, {}, [&](std::size_t d) { return sizes[d]; });
     std::array<std::vector<std::size_t>, 3> cuts;
     for (std::size_t n = 0; n < 3; ++n) {
-        // Boxes are equally long in all dimensions. If a dimension is too short, they are longer
-        // along the others.
+        // Boxes are cubes where possible. If a dimension is too short, they are longer along the
+        // others.
         const auto d = rising[n];
         const double size = static_cast<double>(sizes[d]),
                      side = std::pow(std::max(columns, 1.0), 1.0 / static_cast<double>(3 - n));

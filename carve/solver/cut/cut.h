@@ -14,21 +14,22 @@ namespace fluidcarve {
 
 /// Finds the cheapest seam in a band, as a minimum cut (METHOD 8 "The cut").
 ///
-/// Node (c, a) stands between entries a-1 and a of column c. It tells whether the seam is at a or
-/// above. An arc up a column costs as much as the entry between its ends. Arcs down a column cannot
-/// be cut, nor can arcs to the next lower node in each neighbouring column; the latter keep
+/// Node (c, a) stands between entries a-1 and a of column c. It says whether the seam is at a or
+/// above. An arc up a column costs as much as the entry between its ends. Arcs down a column
+/// cannot be cut, nor can arcs to the next lower node in each neighbouring column; the latter keep
 /// neighbours within 1. If steps cost something, arcs to the nodes at the same height in
-/// neighbouring columns cost that. No arcs are stored: they follow from the place of a node. A node
-/// stores the residual capacities of its arcs, its excess and its distance to the sink: 40 bytes,
-/// 64 if steps cost something, and 8 per column.
+/// neighbouring columns cost that. No arcs are stored: they follow from the place of a node. A
+/// node stores the residual capacities of its arcs, its excess and its distance to the sink: 40
+/// bytes, 64 if steps cost something, and 8 per column.
 ///
 /// The flow is found by push-relabel (Goldberg and Tarjan 1988), in sweeps over the rows of
 /// columns. Distances are recomputed by breadth-first search (Cherkassky and Goldberg 1997). The
 /// second phase is left out: excess that cannot reach the sink stays where it is. Augmenting paths
-/// would need as much memory again for their trees, and do not run in parallel. Here blocks of rows
-/// do, every second block at a time, so that the result does not depend on the number of threads.
-/// At any time, the nodes that can still reach the sink are one side of a cut, which costs more
-/// than the flow by the excess in it. So a tolerance makes the search stop early, with proof.
+/// would need as much memory again for their trees, and do not run in parallel. Push-relabel runs
+/// on blocks of rows in parallel, every second block at a time, so that the result does not depend
+/// on the number of threads. At any time, the nodes that can still reach the sink are one side of
+/// a cut, which costs more than the flow by the excess in it. So a tolerance makes the search stop
+/// early, with proof.
 class Cut {
 public:
     /// Writes the costs of a column's entries band.first to band.last: 0 to most_cost, or endless.
@@ -58,7 +59,7 @@ public:
     ///   lower costs are needed
     [[nodiscard]] bool solve(double tolerance, const std::function<void()>& tick);
 
-    /// Entry per column; feasible.
+    /// The seam: an entry per column; feasible.
     std::vector<std::uint16_t> seam() const;
     /// Lower bound on the cost of any seam in the band, in the units of CostOf.
     std::int64_t flow() const { return flow_; }

@@ -52,7 +52,7 @@ public:
     }
 
     std::size_t size() const { return size_; }
-    /// Whether it has nothing left to push, and gave nothing to other regions.
+    /// Whether no excess is left to push, and none was given to other regions.
     bool idle() const { return active_.empty() && sent_[0].empty() && sent_[1].empty(); }
     /// Flow that reached the sink.
     std::int64_t sunk() const { return sunk_; }
@@ -225,8 +225,8 @@ private:
                     if (const auto above = Residual::node(beside, entry + 1);
                         above != none && graph_.tags[above].lowered(Columns::back(d))) {
                         const auto at = graph_.tags[above].label();
-                        // The tag tells that some capacity is left. How much is read only to push,
-                        // since it is far away in memory.
+                        // The tag tells whether capacity is left. The amount is far away in
+                        // memory, so it is read only to push.
                         bool stays = true;
                         if (at + 1 == label) {
                             auto& lowered = graph_.arcs[above].lowered[Columns::back(d)];

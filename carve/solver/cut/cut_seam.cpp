@@ -16,7 +16,7 @@ namespace {
 /// Limit for the cost of a step, in multiples of the range of entry costs: beyond, a step is hardly
 /// ever worth it.
 constexpr float most_lift_of_range = 1024;
-/// How many times higher the figures of steps may be than those of energies.
+/// By which factor scaled step costs may exceed scaled energies.
 constexpr float room_for_lifts = 8;
 
 /// Cost of the most expensive step in a band.
@@ -65,7 +65,7 @@ CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at,
             return Span{std::min(a.low, b.low), std::max(a.high, b.high)};
         });
     // If some costs are below 0, each column's costs count from its lowest, so that `tolerance` is
-    // a share of what seams differ in.
+    // a share of the costs in which seams differ.
     std::vector<float> lows(span.low < 0 ? columns.count() : 0);
     for (std::size_t c = 0; c < lows.size(); ++c) {
         lows[c] = cost_at(c, band.columns[c].first);
@@ -98,7 +98,7 @@ CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at,
                     scale * std::min(steps.lift(high, low, first++, in_time), most_lift));
         };
         Cut cut(columns, band, cost_of, steps ? Cut::LiftsOf(lifts_of) : nullptr, number % 2 != 0);
-        // If more flow gathered than an arc holds, lower figures leave more room.
+        // If more flow gathers than an arc holds, the cut is repeated with a smaller scale.
         if (cut.solve(tolerance, tick))
             return {cut.seam(), static_cast<double>(cut.flow()) / scale + sum_of_lows};
     }
@@ -164,8 +164,8 @@ Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number
                       above_threshold, steps, energy.protects(), 0, number, tick)
                     .at;
             if (!energy.protects()) return cut;
-            // Later frames may find no way on from here: extend the seam to them and move it aside
-            // as a whole.
+            // Later frames may be blocked from here: extend the seam to them and move it aside as
+            // a whole.
             for (auto c = cut.size(); c < rest.count(); ++c) {
                 const auto [first, last] = band.columns[c];
                 cut.push_back(std::clamp(cut[c - all.per_frame()], first, last));

@@ -20,26 +20,26 @@ struct CutSeam {
 /// seam of least cost (Costs). Energies become integers of up to 24 bits for the highest in the
 /// band.
 /// @param band       of all columns; holds at least one seam
-/// @param tolerance  how much above the least cost the seam may be, as a share of it
+/// @param tolerance  by how much the seam may exceed the least cost, as a share of it
 /// @param number     number of seams found before; ties lean to one side for even numbers, to the
 ///   other for odd
 CutSeam cut_seam(const EnergyVolume& energy, const Band& band, double tolerance, int number,
                  const std::function<void()>& tick);
 
-/// Finds the exact seam of a window. If vertices are attracted, its lower bound is that of seams
+/// Finds the exact seam of a window. If vertices are attracted, its lower bound holds for seams
 /// that take as many.
 Seams::Seam exact_seam(const EnergyVolume& energy, Window window, int number,
                        const std::function<void()>& tick);
 
 /// The paper's method for long sequences (from Flynn et al.), for comparison. The sequence is cut
-/// interval by interval, each as the one before allows. A seam is moved aside if protected vertices
-/// would leave no way on.
+/// interval by interval, each continuing the one before. A seam is moved aside if protected
+/// vertices would block the next interval.
 /// @param interval   frames, at least 1
 /// @param threshold  energies below it count as 0
 Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number, int interval,
                            double threshold, const std::function<void()>& tick);
 
-/// The same in the part of a strip within `radius` entries of a seam.
+/// cut_seam() in the part of a strip within `radius` entries of a seam.
 CutSeam cut_seam(const Strip& strip, std::span<const std::uint16_t> seam, int radius,
                  double tolerance, int number, const std::function<void()>& tick);
 

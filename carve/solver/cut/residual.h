@@ -9,7 +9,7 @@
 
 namespace fluidcarve {
 
-/// The graph of a cut (see cut.h): its nodes, and how much more flow their arcs can take.
+/// The graph of a cut (see cut.h): its nodes, and the residual capacities of their arcs.
 struct Residual {
     /// A node's distance to the sink, in arcs.
     using Label = std::uint32_t;
@@ -18,11 +18,11 @@ struct Residual {
     /// Capacity of an arc that cannot be cut.
     static constexpr std::int32_t endless = 0x7FFFFFFF;
 
-    /// A node's excess, beside what is read with it: residual capacities of the node's arcs, except
-    /// arcs of unlimited capacity.
+    /// A node's excess, and the residual capacities of its arcs, except arcs of unlimited
+    /// capacity.
     struct Arcs {
         using Packed __attribute__((aligned(4))) = std::int64_t;  // 36 bytes in all, not 40
-        Packed excess;                              ///< flow that came and has not gone on
+        Packed excess;                                            ///< flow in minus flow out
         std::int32_t up;                            ///< to the next node of the column
         std::int32_t lowered[Columns::directions];  ///< flow that went to the next lower node of
                                                     ///< each neighbour
@@ -32,13 +32,13 @@ struct Residual {
         std::uint16_t first, last;
         int size() const { return last - first; }
     };
-    /// A node, as the column and entry below which it stands.
+    /// A node, given by its column and the entry above it.
     struct Spot {
         std::uint32_t column;
         std::uint16_t entry;
     };
-    /// All that a search needs to know of a node: an estimate of its distance to the sink, and
-    /// which of its figures are not 0.
+    /// All that a search reads of a node: an estimate of its distance to the sink, and which of
+    /// its capacities and excess are not 0.
     class Tag {
     public:
         Label label() const { return bits_ >> 8; }

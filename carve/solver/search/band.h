@@ -21,15 +21,15 @@ struct Band {
     };
     std::vector<Column> columns;  ///< in the order of Seams::Seam::at
 
-    /// The band that is the whole window in every column.
+    /// The whole window in every column.
     static Band whole(std::size_t columns, Window window) {
         return {std::vector<Column>(columns, {static_cast<std::uint16_t>(window.first),
                                               static_cast<std::uint16_t>(window.last)})};
     }
     /// The band around a seam.
     /// @param seam    feasible, inside the window
-    /// @param radius  entries on either side of the seam; at an end of the window, as many entries
-    ///   in all, but more on one side
+    /// @param radius  entries on either side of the seam; near an end of the window, the band
+    ///   keeps its size and shifts to the other side
     static Band around(std::span<const std::uint16_t> seam, int radius, Window window) {
         Band out{std::vector<Column>(seam.size())};
         const int size = std::min(2 * radius + 1, window.size());

@@ -60,7 +60,7 @@ std::vector<std::size_t> dimensions_of_lines(const Columns& columns) {
     return out;
 }
 
-/// The ways that messages are passed for a bound.
+/// How messages are passed for a bound.
 struct Ways {
     bool forward = true;  ///< the first and the last of them
     bool first = true;    ///< there are no messages yet; must be forward
@@ -100,7 +100,7 @@ public:
     /// The bound, after a way through each block and `passes` more to and fro.
     /// @return what each frame adds to it
     std::vector<double> bound(int passes, const Tick& tick, const Ways& ways = {}) {
-        // In a single line the first way is exact.
+        // In a single line the first pass is exact.
         const int turns = dimensions_.size() > 1 ? 1 + 2 * passes : 1;
         std::vector<double> out;
         for (Block block{0, frames_}; block.begin < size_[2]; block.begin += frames_) {
@@ -229,7 +229,7 @@ private:
         return out;
     }
 
-    /// The message from behind a column, as it is before one has been passed.
+    /// The message from behind a column before any has been passed: a guess, or 0.
     void from_behind(std::size_t dimension, const Sizes& at, std::span<float> message,
                      Work& work) const {
         if (coarse_ != nullptr && coarse_->has(dimension) && at[dimension] + 1 < size_[dimension])
@@ -325,8 +325,8 @@ std::optional<CoarseMessages> messages_at_half(const EnergyVolume& energy, Windo
                           std::move(messages));
 }
 
-/// The bound of which each frame has a part. The guess may mislead: only attracted vertices cost
-/// less than nothing.
+/// The bound of which each frame has a part. The guess may mislead: unless vertices are attracted,
+/// costs are not negative.
 double sum_of(std::span<const double> parts, const EnergyVolume& energy) {
     const double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
     return energy.attracts() ? sum : std::max(sum, 0.0);
@@ -393,8 +393,8 @@ double ConsecutiveBounds::with(const SeamStart& start) const {
                 kept_->messages.entry(time, start.frame * kept_->per_frame + c, entry));
         }
     // The last messages went against the order of the frames if the next ones will go in it. Then
-    // they say what the frames that follow pay beyond their parts of the bound. Else they say what
-    // the frames before pay, which is contained in the parts of the others.
+    // they hold what later frames cost beyond their parts of the bound. Else they hold what
+    // earlier frames cost, which the parts of the other frames contain.
     if (kept_->forward) return start.with_frame + kept_->from[start.frame + 1] + paid;
     return start.before + kept_->from[start.frame] - paid * (1 + largest_cut);
 }

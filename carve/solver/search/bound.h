@@ -12,30 +12,30 @@ namespace fluidcarve {
 /// Lower bound on the energy of any seam in the window (METHOD 8 "A certificate"). Each column's
 /// energies are divided among the lines of columns that cross there. Each line's part is solved
 /// exactly, by dynamic programming, and the sum of the minima is a bound. Messages along the lines
-/// say how to divide. They begin with those of the energy at half the resolution
-/// (restrict_energy()), and are passed on in one block of frames after the other. Rings of columns
-/// are treated as open lines.
+/// determine the division. They begin with those of the energy at half the resolution
+/// (restrict_energy()), and pass through one block of frames after the other. Rings of columns are
+/// treated as open lines.
 /// Messages take up to 400 MB, or what two frames need: 6 bytes per entry of the window; and at
 /// half the resolution 6 bytes per entry, of all frames. The energy at half the resolution comes on
 /// top.
 /// If vertices are marked, this is a bound on the cost (Costs); energy_bound() turns it into a
 /// bound on the energy.
 /// @param window         holds a seam
-/// @param passes         passes to and fro after the first way through each block, 0 or more; they
-///   raise the bound
+/// @param passes         passes to and fro after the first pass through each block, 0 or more;
+///   they raise the bound
 /// @param memory_budget  bytes that messages may hold in memory; beyond, they are in files in
 ///   `folder`
 /// @throws Failure as FrameStore
 double lower_bound(const EnergyVolume& energy, Window window, int passes, const Tick& tick,
                    std::uint64_t memory_budget = ~std::uint64_t{0}, const std::string& folder = "");
 
-/// lower_bound() for seams that are found one after the other, each in the energy that those before
-/// it leave. Messages are passed on from seam to seam, to and fro in turn, and follow the entries
-/// that seams delete; any messages give a bound (METHOD 8 "A certificate"). They take 6 bytes per
-/// entry of the window.
+/// lower_bound() for consecutive seams, each in the energy that the seams before it leave.
+/// Messages are passed on from seam to seam, to and fro in turn, and follow the entries that seams
+/// delete; any messages give a bound (METHOD 8 "A certificate"). They take 6 bytes per entry of
+/// the window.
 class ConsecutiveBounds {
 public:
-    /// The first of the seams that share messages with a seam.
+    /// Number of the first seam that shares messages with seam `number`.
     static int first_with(int number) { return number / seams_per_search * seams_per_search; }
 
     /// @param memory_budget, folder  as for lower_bound()
@@ -50,11 +50,11 @@ public:
     /// @param number  of seams before
     double operator()(const EnergyVolume& energy, Window window, int number, int passes,
                       const Tick& tick);
-    /// Lower bound on the cost of any seam that begins so, in the energy of the last bound. Any
+    /// Lower bound on the cost of any seam with this start, in the energy of the last bound. Any
     /// thread may call this.
     double with(const SeamStart& start) const;
-    /// Follows a seam that is deleted from the energy, if there are messages. From then on all must
-    /// be told.
+    /// Follows a seam that is deleted from the energy, if there are messages. Every later deletion
+    /// must be reported, too.
     /// @param at  its entry in each column, `[t][column]`
     void follow(std::span<const std::uint16_t> at, int number);
 

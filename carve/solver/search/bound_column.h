@@ -11,9 +11,9 @@
 
 namespace fluidcarve {
 
-/// The work on a single column that a lower bound consists of (search/bound.h). Arrays of floats,
-/// and messages, have whole_eights() of a column's entries, so that vectors fill them; what is
-/// behind the entries is arbitrary.
+/// The steps of a lower bound (search/bound.h) on a single column. Arrays of floats and messages
+/// have whole_eights() of a column's entries, so that vectors fill them; values behind the entries
+/// are arbitrary.
 
 /// A message keeps the upper half of each float's bits.
 inline float from_upper(std::uint16_t bits) {
@@ -31,7 +31,7 @@ private:
     std::vector<float> values_;
 };
 
-/// What goes through a column along one dimension.
+/// The messages and costs of one line at a column.
 struct ColumnLine {
     float* front;         ///< message from the columns before
     float* ahead;         ///< message from the columns behind
@@ -39,7 +39,7 @@ struct ColumnLine {
     bool read_ahead;      ///< first `kept` is read into `ahead`
     bool keep_front;      ///< then `front` is written to `kept`
     float* part;          ///< becomes the line's part of the costs, with the message from before
-    float least = 0;      ///< becomes the smallest of that
+    float least = 0;      ///< becomes the smallest value of `part`
 };
 
 /// Divides a column's costs, and all messages to it, in equal parts among the lines that go through
@@ -47,12 +47,12 @@ struct ColumnLine {
 /// @param share  that each line gets
 void divide_column(std::span<ColumnLine> lines, const float* costs, std::size_t width, float share);
 
-/// The message to a line's next column: each entry there pays for the cheapest within 1 of it, and
-/// for the step, as in StepCosts::lift().
+/// The message to a line's next column: for each entry there, the least value of an entry within
+/// 1, plus the cost of the step, as in StepCosts::lift().
 /// @param part         of the column that sends; its values before the first and behind the last
 ///   become infinite
 /// @param here, there  the field of both columns; null: all steps cost alike
-/// @param least        the smallest of the part, which the message leaves out
+/// @param least        the smallest value of `part`, which is subtracted from the message
 void send_to_column(float* part, const float* here, const float* there, const StepPrice& price,
                     float least, std::size_t width, float* message);
 

@@ -28,9 +28,9 @@ void interpolate(const float* __restrict coarse, std::span<float> out);
 /// does not spread them.
 void fill_infinite(std::span<float> values);
 
-/// Messages to columns, `[dimension][column][entry]`. A message has, for each entry of a column,
-/// what the line on one side of it pays at least for a seam through the entry, less the smallest of
-/// these. The upper half of each float's bits is kept: any message is valid.
+/// Messages to columns, `[dimension][column][entry]`. For each entry of a column, a message holds
+/// the least cost, on one side of the column's line, of a seam through the entry, minus the
+/// smallest of these costs. The upper half of each float's bits is kept: any message is valid.
 class Messages {
 public:
     Messages(std::span<const std::size_t> dimensions, std::size_t columns, std::size_t width,
@@ -53,8 +53,8 @@ public:
     }
     /// Whether there are messages along a dimension.
     bool has(std::size_t dimension) const { return stores_[dimension].has_value(); }
-    /// Deletes an entry of each message to a column: those behind it move down.
-    /// @param first  is taken from each of the entries
+    /// Deletes an entry of each message to a column; the entries behind it move down.
+    /// @param first  is subtracted from each of the entries
     void remove(std::span<const std::uint16_t> entries, std::size_t first) {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns_, 1024),
                           [&](const tbb::blocked_range<std::size_t>& range) {
@@ -72,17 +72,17 @@ private:
     std::array<std::optional<FrameStore>, 3> stores_;
 };
 
-/// Messages at half the resolution (restrict_energy()), from what lies behind each column. They are
-/// where those of the full resolution begin.
+/// Messages at half the resolution (restrict_energy()), from the columns behind each column. Those
+/// of the full resolution start from them.
 class CoarseMessages {
 public:
-    /// @param infinite  whether some messages are: where vertices are protected
+    /// @param infinite  whether some messages are infinite: where vertices are protected
     CoarseMessages(const Columns& columns, std::size_t width, bool infinite, Messages messages)
         : columns_(columns), width_(width), infinite_(infinite), messages_(std::move(messages)) {}
 
     bool has(std::size_t dimension) const { return messages_.has(dimension); }
-    /// Interpolates the message to a column of the full resolution. There, lines have twice as many
-    /// columns, and pay twice as much.
+    /// Interpolates the message to a column of the full resolution. Lines of full resolution have
+    /// twice as many columns and cost twice as much.
     /// @param at      lateral, k and t at the full resolution
     /// @param buffer  for two messages
     void get(std::size_t dimension, const Sizes& at, std::span<float> message,

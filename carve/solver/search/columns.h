@@ -40,7 +40,7 @@ public:
         return lateral + laterals_ * (k + slices_ * t);
     }
 
-    /// Where a column is, by its three indices.
+    /// The three indices of a column.
     struct Place {
         std::size_t lateral, k, t;
     };

@@ -66,7 +66,7 @@ private:
     FrameStore store_;
 };
 
-/// Where the way of the next seam is blocked, if it is. @param found  number of seams found before
+/// The place where the next seam is blocked, if any. @param found  number of seams found before
 std::optional<NoSeam> blocked_seam(const EnergyVolume& energy, Window window, int found) {
     std::optional<NoSeam> out;
     if (!energy.protects()) return out;
@@ -98,7 +98,7 @@ bool ends_lattice(Seams::Kind kind, Window window, int width) {
 /// The window of half size whose seams, interpolated to full size, stay in a window.
 Window half_window(Window window) { return {halved(window.first), halved(window.last) - 1}; }
 
-/// Where a seam of half size finds no way, at full size.
+/// The place where a seam of half size is blocked, at full size.
 NoSeam at_full_size(const NoSeam& none, int found, const EnergyVolume& energy,
                     const FullSize& full) {
     const auto place = Columns(energy).place(none.at.column);
@@ -215,11 +215,11 @@ public:
 
 private:
     bool inserts() const { return kind_ == Seams::Kind::insert; }
-    /// What seams are searched in.
+    /// The energy in which seams are searched.
     EnergyVolume& energy() { return sum_ ? *sum_ : priced_ ? *priced_ : volume_; }
-    /// Seams that come of one that is found.
+    /// Number of seams that each found seam or slab stands for.
     int each() const { return thickness_ * (full_ ? 2 : 1); }
-    /// The thickness of the next slab. It does not depend on how many are wanted.
+    /// The thickness of the next slab. It does not depend on the wanted number.
     int thickness_now() const {
         return prices_ && !inserts() ? std::min(thickness_, window_.size() - taken_) : thickness_;
     }
@@ -247,9 +247,9 @@ private:
                         slabs_, continued_.memory_budget, continued_.folder);
         if (static_) sum_ = priced_->sum();
     }
-    /// Finds a slab. What is empty becomes dearer until the content gives its share, too.
+    /// Finds a slab. Empty slabs become dearer until the content gives its share.
     Seams::Seam find_slab(const FindSeam& find, int thickness, Window left, const Tick& tick) {
-        // Solvers that go on from the last seam begin anew: prices change everywhere.
+        // Solvers that continue from the last seam start over: prices change everywhere.
         const auto once = [&] { return find(energy(), left, 2 * searches_, tick); };
         auto out = once();
         if (continued_.thick->weights.empty) return out;
@@ -271,7 +271,7 @@ private:
                        : SeamEntries(std::vector<std::uint16_t>(at.begin(), at.end()));
     }
 
-    /// Notes what a seam meets, for all seams that come of it.
+    /// Records the statistics of a found seam, for all seams that it stands for.
     void count_met(const EnergyVolume& energy, std::span<const std::uint16_t> at) {
         const auto met = energy.met(at);
         for (int n = 0; n < std::min(each(), count_ - static_cast<int>(out_.zero_share.size()));
@@ -284,8 +284,8 @@ private:
         }
     }
 
-    /// Takes a seam from the volume, or notes that it is doubled. The last one is not taken: no
-    /// search follows it.
+    /// Deletes a seam from the volume, or records that it is doubled. The last one is not taken:
+    /// no search follows it.
     void take(std::span<const std::uint16_t> at, int thickness, Window left) {
         const int number = searches_++;
         if (static_cast<int>(out_.zero_share.size()) >= count_) return;
@@ -311,7 +311,7 @@ private:
         taken_ += thickness;
     }
 
-    /// Adds a seam that was found to the set, as the seams that come of it.
+    /// Adds a found seam to the set, as the seams that it stands for.
     void add(Seams::Seam seam, int thickness, double seconds) {
         if (full_) {
             const Columns here = static_ ? Columns(volume_.laterals(), volume_.slices(), 1,
@@ -332,7 +332,7 @@ private:
         complete(seam, 0, seconds);
     }
 
-    /// Adds the seams that come of one, from the n-th on.
+    /// Adds the seams that a found seam stands for, from the n-th on.
     void complete(const Seams::Seam& seam, int n, double seconds) {
         const int some = std::min(each(), n + count_ - static_cast<int>(out_.seams.size()));
         for (const int first = n; n < some; ++n) {

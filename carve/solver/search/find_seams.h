@@ -20,10 +20,10 @@
 
 namespace fluidcarve {
 
-/// A solver: finds one seam in a window that holds at least one. It works on the energy as it is
-/// now, codes or sums. The seam is feasible, passes no protected vertex, and comes with its energy,
-/// in which attracted vertices count 0. One that searches with the help of bounds takes them as a
-/// fifth argument, `SeamBounds*`; null: there are none.
+/// A solver: finds one seam in a window that holds at least one. It works on the present energy,
+/// codes or sums. The seam is feasible, passes no protected vertex, and comes with its energy, in
+/// which attracted vertices count 0. A solver that uses bounds takes them as a fifth argument,
+/// `SeamBounds*`; null: there are none.
 /// @param number  number of seams found before; ties lean to one side for even numbers, to the
 ///   other for odd
 class FindSeam {
@@ -50,10 +50,10 @@ private:
         find_;
 };
 
-/// Moves a found seam to where it is kept; null: seams stay in memory.
+/// Moves a found seam to its storage; null: seams stay in memory.
 using KeepSeam = std::function<SeamEntries(SeamEntries)>;
 
-/// Tells a solver that starts from the seam before of the last one that an earlier search found.
+/// Gives the last seam of an earlier search to a solver that starts from the previous seam.
 /// @param last  its entries in the space in which it was found; those of one frame for static seams
 using StartFrom = std::function<void(std::span<const std::uint16_t> last)>;
 
@@ -64,22 +64,22 @@ struct NoSeam : Failure {
     struct Bottleneck {
         std::size_t column;  ///< as in Seams::Seam::at; of a single frame for static seams
         int vertices;        ///< number of vertices that earlier seams left in the window
-        int free;            ///< number of those that are not protected
+        int free;            ///< how many of these are not protected
     };
     NoSeam(int found, const Bottleneck& at);
     int found;  ///< number of seams found before
     Bottleneck at;
 };
 
-/// Seams and what each of them meets.
+/// Found seams, with statistics.
 struct FoundSeams {
     std::vector<Seams::Seam> seams;
-    std::vector<double> wall_s;  ///< per seam, seconds without those of a bound that is found after
-                                 ///< it; 0 for seams that were found before
-    std::vector<double> zero_share;      ///< per seam, share of its columns without energy, 0 to 1
-    std::vector<std::size_t> attracted;  ///< per seam, number of attracted vertices that it takes
-    std::vector<std::size_t> blocked;    ///< per seam, number of protected vertices that it passes
-    /// Per seam, number of attracted vertices that are left after it.
+    std::vector<double> wall_s;      ///< per seam, search time in seconds, without a bound found
+                                     ///< afterwards; 0 for seams of an earlier search
+    std::vector<double> zero_share;  ///< per seam, share of its columns without energy, 0 to 1
+    std::vector<std::size_t> attracted;  ///< per seam, number of attracted vertices taken
+    std::vector<std::size_t> blocked;    ///< per seam, number of protected vertices passed
+    /// Per seam, number of attracted vertices left after it.
     std::vector<std::size_t> attracted_left;
     /// Why there are fewer than asked for (Continued::best_effort)
     std::optional<NoSeam> no_more = {};
@@ -92,11 +92,11 @@ struct FullSize {
     int width;        ///< entries per column
 };
 
-/// Continues an earlier search, and tells how far it has come.
+/// Options of find_seams(): an earlier search to continue, bounds, progress and memory.
 struct Continued {
     std::vector<Seams::Seam> before;  ///< the set's first seams, as they were found
     StartFrom start_from;             ///< called with the last of them; null: the solver needs none
-    /// Of each new seam whose solver gives no lower bound; null: they get none.
+    /// Gives a lower bound to each new seam whose solver gives none; null: no bound.
     SeamBounds* bounds = nullptr;
     /// Called with all seams found so far, after each new one.
     std::function<void(const FoundSeams& found)> found;
@@ -104,11 +104,11 @@ struct Continued {
     /// `folder`.
     std::uint64_t memory_budget = ~std::uint64_t{0};
     std::string folder;
-    /// If the energy is at half size; then there may be no seams `before`
+    /// Set if the energy is at half size; then `before` must be empty
     std::optional<FullSize> full;
     std::optional<Thick> thick;  ///< nothing: each seam takes one entry
-    bool best_effort = false;    ///< if protected vertices leave no way for the next seam, those
-                                 ///< found are the result, and nothing is thrown
+    bool best_effort = false;    ///< if protected vertices leave no way for the next seam, return
+                                 ///< the seams found instead of throwing NoSeam
 };
 
 /// Number of seams that a window has room for. An insertion stands between an entry and the next,
@@ -124,18 +124,18 @@ void require_room(Seams::Kind kind, int count, Window window, int width, int fin
 
 /// The loop around a solver (METHOD 4 and METHOD 8): finds a seam, deletes it from the energy, and
 /// so on. Insertions are found as removals and returned as original entries. A continued search
-/// gives the same result as one in one go. At half size (METHOD 9 "Half size"), each seam that is
-/// found stands for two of full size, side by side: interpolated to the columns, with as much of
-/// its energy and bound as a column has. The last one may stand for one.
-/// If seams are thick, each slab that is found stands for as many seams as it has vertices
-/// (Seams::thickness), and each of them has its share of the slab's price as energy. A slab is
-/// found in prices of its own (SlabPrices). Those that are doubled stay in the volume, and keep
-/// away from each other.
-/// @param volume  used up
+/// gives the same result as an uninterrupted one. At half size (METHOD 9 "Half size"), each found
+/// seam stands for two of full size, side by side: it is interpolated to the columns, and its
+/// energy and bound are scaled by their number. The last one may stand for one.
+/// If seams are thick, each found slab stands for as many seams as it has vertices
+/// (Seams::thickness), and each of these has an equal share of the slab's price as energy. Slabs
+/// are found in prices of their own (SlabPrices). Doubled slabs stay in the volume, and keep away
+/// from each other.
+/// @param volume  is consumed
 /// @param count   number of all seams of full size, including those found before
 /// @param window  original entries at full size
-/// @param static_   true: each seam is the same in all frames; it is found in their sum, and the
-///   volume stays as it is
+/// @param static_   true: each seam is the same in all frames; it is found in the sum of the
+///   frames, and the volume does not change
 /// @throws Failure as require_room(); NoSeam
 FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window,
                       const FindSeam& find, const Tick& tick, const KeepSeam& keep = nullptr,

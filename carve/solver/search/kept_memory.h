@@ -10,12 +10,11 @@
 
 namespace fluidcarve {
 
-/// Memory that one search leaves to the next. Fresh memory costs a page fault for each page: a
-/// quarter of
-/// the time of a large search.
+/// Memory that one search passes on to the next. Fresh memory costs a page fault for each page: a
+/// quarter of the time of a large search.
 class KeptMemory {
 public:
-    /// An array whose values are not set. It goes back to the memory that it was taken from.
+    /// An uninitialised array. Its memory returns to the KeptMemory that it came from.
     template <class T>
     class Array {
     public:

@@ -10,8 +10,8 @@
 namespace fluidcarve {
 
 namespace {
-/// So many columns ahead in a line, energies are asked for: those of a line through all frames are
-/// far apart.
+/// Columns that are prefetched ahead in a line: those of a line through all frames are far apart
+/// in memory.
 constexpr std::size_t ahead_in_line = 8;
 }  // namespace
 
@@ -74,7 +74,7 @@ private:
         LaneMask from;  ///< the way's entry in the column before
         int base() const { return stay - 1; }
     };
-    /// A neighbour beside the line. It is as far from each column of the line.
+    /// A neighbour beside the line, at the same offset from each column of the line.
     struct Beside {
         std::ptrdiff_t step;
         bool in_time;

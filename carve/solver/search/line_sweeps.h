@@ -8,8 +8,8 @@
 namespace fluidcarve {
 
 /// Improves a seam line by line. In each line of columns along each dimension, dynamic programming
-/// finds the best entries within 1 of the seam, while the columns beside it stay (multi-pass
-/// dynamic programming, Furuta et al. 2018). Neighbouring lines take turns.
+/// finds the best entries within 1 of the seam, while the neighbouring lines stay fixed
+/// (multi-pass dynamic programming, Furuta et al. 2018). Neighbouring lines take turns.
 class LineSweeps {
 public:
     /// @param strip  outlives the sweeps
@@ -17,7 +17,8 @@ public:
 
     /// Goes through all lines once.
     /// @param seam  feasible, in the strip, of finite cost; stays so
-    /// @param turn  number of the sweep; in a ring of columns it selects the one that stays fixed
+    /// @param turn  number of the sweep; in a ring of columns it selects the column that stays
+    ///   fixed
     void operator()(std::vector<std::uint16_t>& seam, int turn) const;
 
 private:

@@ -167,7 +167,7 @@ private:
 }  // namespace
 
 struct OpenLine::Self {
-    static constexpr std::size_t apart = 32;  ///< columns from one whose ways are kept to the next
+    static constexpr std::size_t apart = 32;  ///< columns between two whose ways are kept
     /// Costs of the ways to those entries of a column from which the seam can be reached, with
     /// infinities around.
     using Ways = std::array<double, 2 * apart + 3>;
@@ -252,8 +252,7 @@ struct OpenLine::Self {
     EntryRange near_seam(const Line& line, std::size_t first_column, std::size_t end_column) const {
         const auto columns = std::span(last->at).subspan(first_column, end_column - first_column);
         const auto [low, high] = std::ranges::minmax_element(columns);
-        // What is handed on, the edges that this changes, and the entries that now stand beside
-        // others.
+        // Covers the energy handed on, the edges that change, and the entries with new neighbours.
         const auto margin = static_cast<std::size_t>(line.energy.spread()) + 3;
         return EntryRange{*low, *high + std::size_t{1}}.widened(margin, line.width);
     }

@@ -7,9 +7,9 @@
 namespace fluidcarve {
 
 /// Finds the seams of columns in one open line, as dynamic_seam(), one after the other. It keeps
-/// the costs of the cheapest ways to every 32nd column, and finds those between again around the
-/// seam. The next seam begins with these costs: only ways that the deleted seam may have changed
-/// are followed again, as long as they differ from before. The seams are the same as without.
+/// the costs of the cheapest paths to every 32nd column, and recomputes those between around the
+/// seam. The next seam begins with these costs: only paths that the deleted seam may have changed
+/// are followed again, as long as they differ from before. This does not change the seams.
 class OpenLine {
 public:
     OpenLine();

@@ -94,8 +94,8 @@ Band tightened(const Columns& columns, const Band& band, const CostAt& cost_at) 
 }
 
 /// Moves a seam aside where it passes protected vertices: to the highest seam below it or to the
-/// lowest above it, whichever is cheaper. Where everything below or above is protected, it goes to
-/// the other side.
+/// lowest above it, whichever is cheaper. Columns that are protected throughout on one side move
+/// to the other side.
 /// @param seam  in the band, feasible except at protected vertices
 /// @param band  holds at least one seam
 template <class CostAt>
@@ -118,7 +118,7 @@ std::vector<std::uint16_t> moved_aside(const Columns& columns,
     return cost(below) <= cost(above) ? below : above;
 }
 
-/// The same in a window; returns the seam as it is if it passes no protected vertices.
+/// The same in a window. Returns the seam itself if it passes no protected vertices.
 std::vector<std::uint16_t> past_protected(const EnergyVolume& energy, Window window,
                                           std::vector<std::uint16_t> seam);
 

@@ -10,7 +10,7 @@ namespace fluidcarve {
 namespace {
 
 constexpr std::size_t grain = 4096;
-/// So many columns ahead, energies are asked for.
+/// Columns whose energies are prefetched ahead.
 constexpr std::size_t soon = 16;
 
 /// Calls `call(column, its entries)` for the columns from begin to before end.
@@ -56,7 +56,7 @@ Strip::Strip(const EnergyVolume& energy, Band band, const KeptMemory& memory)
                 for_columns<Cell>(
                     energy, range.begin(), range.end(), [&](std::size_t c, const Cell* cells) {
                         const auto [first, last] = band_.columns[c];
-                        // Columns are far apart in memory, and what is read of each is little.
+                        // Columns are far apart in memory, and little is read of each.
                         if (c + soon < range.end())
                             __builtin_prefetch(cells + soon * energy.stride() +
                                                band_.columns[c + soon].first);
@@ -92,8 +92,8 @@ double cost_of_steps(const Columns& columns, const StepCosts& steps,
             for (auto row = range.begin(); row < range.end(); ++row) {
                 const auto first = row * laterals;
                 const auto around = columns.around(first, columns.place(first));
-                // To the next row and to the next frame it is equally far from all columns of a
-                // row.
+                // The offsets to the next row and to the next frame are the same for all columns
+                // of a row.
                 const auto next_row = around[3], next_frame = around[5];
                 const auto add = [&](std::size_t c, std::size_t other, bool in_time) {
                     if (seam[c] != seam[other])

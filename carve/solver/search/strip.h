@@ -31,7 +31,7 @@ public:
         return energies(column)[entry - band_.columns[column].first];
     }
     /// The energies of four entries, the first of them at most 2 before or behind the column's
-    /// interval. Those outside of the interval say nothing.
+    /// interval. Values outside the interval are meaningless.
     Lanes energies(std::size_t column, int entry) const {
         return load_values(energies(column) + (entry - band_.columns[column].first));
     }
@@ -52,7 +52,7 @@ public:
     bool protects() const { return protects_; }
 
 private:
-    /// What lanes beside the first and the last column may read.
+    /// Floats that lanes may read before the first and behind the last column.
     static constexpr std::size_t margin = 8;
 
     std::size_t field_place(std::size_t column, int entry) const {
@@ -65,7 +65,7 @@ private:
     std::size_t width_;
     KeptMemory::Array<float> energies_;  ///< `[column][entry]` between two margins
     StepCosts steps_;
-    /// Likewise; of one entry more at either end; empty: steps have none.
+    /// The field likewise, with one more entry at either end; empty: no field.
     KeptMemory::Array<float> fields_;
     bool protects_;
 };
@@ -79,7 +79,7 @@ double cost_of_steps(const Columns& columns, const StepCosts& steps,
 double energy_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam);
 /// Cost of a seam: the same sum with Costs.
 double cost_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam);
-/// Lower bound on the energy of any seam that takes as many attracted vertices as this one.
+/// Lower bound on the energy of any seam that takes as many attracted vertices as `seam`.
 /// @param cost_bound  lower bound on the cost of any seam
 double energy_bound(const EnergyVolume& energy, std::span<const std::uint16_t> seam,
                     double cost_bound);

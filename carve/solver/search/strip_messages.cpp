@@ -14,10 +14,10 @@ namespace fluidcarve {
 
 namespace {
 
-/// What a hole costs where a seam must go on: less than a step that is none.
+/// Cost of a hole where a seam has no other way: less than that of an impossible step.
 constexpr float hole = 1e20f;
-/// By this share another entry must be cheaper than the seam's own: sums of floats differ by less
-/// than that.
+/// Share by which another entry must be cheaper than the seam's own: above the rounding errors of
+/// sums.
 constexpr float least_gain = 1e-5f;
 
 /// Columns along each dimension that a thread visits one after the other. Long rows are read
@@ -46,7 +46,7 @@ FLUIDCARVE_INLINE Eight moved(Eight costs, int by) {
     return picked(costs, entries);
 }
 
-/// What a pass works on.
+/// Data of a pass.
 struct Pass {
     const Columns& columns;
     const Band::Column* band;  ///< `[column]`
@@ -67,7 +67,7 @@ struct Pass {
     ColumnMessages* messages;   ///< `[column]`
 };
 
-/// What each entry of a column pays for the cheapest way from a neighbour, including the step
+/// Cost of the cheapest way from a neighbour to each entry of a column, including the step
 /// (StepCosts).
 /// @param costs  of the neighbour's entries
 template <bool edges>
@@ -88,7 +88,7 @@ FLUIDCARVE_INLINE Eight sent(const Pass& pass, const Eight& costs, std::size_t f
     return least(stay, least(rise, fall));
 }
 
-/// Costs that only one entry of a column does without.
+/// Costs that are 0 at one entry of a column, and infinite elsewhere.
 FLUIDCARVE_INLINE Eight only_at(const Pass& pass, std::size_t column, std::uint16_t entry) {
     return eight_places == entry - pass.band[column].first ? Eight{} : eight_of(endless_cost);
 }
@@ -203,7 +203,7 @@ FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t
             }
         const int first = pass.band[column].first, own = pass.seam[column] - first;
         if (!plain && pass.taken != nullptr) {
-            // Holes may leave no way on. Then the seam passes some, and is moved aside later.
+            // Holes may block all ways. Then the seam passes some holes, and is moved aside later.
             if (holes) choice = least(choice, eight_of(hole));
             const auto add_step = [&](std::size_t other, std::size_t d) FLUIDCARVE_INLINED {
                 choice +=
@@ -308,8 +308,8 @@ private:
     std::array<float, 32> values_;  ///< from eight entries before the strip's first on
 };
 
-/// Interpolates the messages to the finer columns that a coarse one stands for. There, lines have
-/// twice as many columns, and pay twice as much.
+/// Interpolates the messages to the finer columns that a coarse one stands for. Finer lines have
+/// twice as many columns and cost twice as much.
 FLUIDCARVE_WIDE void interpolate(const Strip& coarse, const ColumnMessages* coarse_messages,
                                  const Columns::Place& at, const Strip& fine, int window_first,
                                  ColumnMessages* out) {
@@ -335,7 +335,7 @@ FLUIDCARVE_WIDE void interpolate(const Strip& coarse, const ColumnMessages* coar
             const auto c = many.at(to[0], to[1], to[2]);
             const int first = fine[c].first - window_first;
             // The message that closes a ring does not lie between two coarse ones: it begins with
-            // nothing.
+            // 0.
             const bool closes = many.ring(d) && to[d] + 1 == size[d];
             out[c].along[d] =
                 closes ? Eight{} : here.from(first) + (corner >> d & 1 ? here : before).from(first);

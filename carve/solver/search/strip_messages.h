@@ -12,23 +12,23 @@
 namespace fluidcarve {
 
 /// Improves a seam within a strip, by messages along all lines of columns at once (METHOD 8
-/// "Messages"; sequential tree-reweighted message passing, Kolmogorov 2006). A message tells each
-/// entry of a column what the rest of a line asks for a seam through it.
+/// "Messages"; sequential tree-reweighted message passing, Kolmogorov 2006). For each entry of a
+/// column, a message holds what the rest of a line costs a seam through that entry.
 class StripMessages {
 public:
-    /// Messages that say nothing yet.
+    /// Starts with messages of 0.
     /// @param strip   of at most ColumnMessages::most_entries in a column
     /// @param memory  of the messages
     explicit StripMessages(Strip strip, const KeptMemory& memory = {});
-    /// Messages that begin with those at half the resolution, interpolated.
+    /// Starts with the messages at half the resolution, interpolated.
     /// @param window  as for restrict_energy()
     StripMessages(Strip strip, Window window, const StripMessages& coarse,
                   const KeptMemory& memory = {});
 
     const Strip& strip() const { return strip_; }
 
-    /// Passes messages to and fro, and takes the seam that they lead to if it is cheaper. Ties go
-    /// to the given seam.
+    /// Passes messages to and fro, and takes the resulting seam if it is cheaper. Ties go to the
+    /// given seam.
     /// @param seam     feasible, in the strip, of finite cost; stays so
     /// @param passes   to and fro
     /// @param goes_on  whether finer messages will begin with these; else the last pass back is
@@ -43,7 +43,8 @@ private:
 
     void improve(std::vector<std::uint16_t>& seam, int passes, const Origin& origin, bool goes_on,
                  const std::function<void()>& tick);
-    /// Clears the messages that close rings: if rings begin elsewhere, these go the other way.
+    /// Clears the messages that close rings: if rings begin elsewhere, these messages run the
+    /// other way.
     void forget(const Origin& origin);
     /// Passes messages through all columns.
     /// @param forward  in the order of columns; else against it

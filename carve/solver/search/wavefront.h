@@ -17,13 +17,13 @@ struct Box {
     std::array<std::size_t, 3> begin, end;
 };
 
-/// Visits boxes of columns so that each comes after those before it along every dimension. Boxes
-/// whose places have the same sum are visited at once.
+/// Visits boxes of columns so that each comes after all boxes before it along every dimension.
+/// Boxes whose indices have the same sum are visited in parallel.
 /// @param size       columns along each dimension
 /// @param box        columns of a box along each dimension
 /// @param make_work  makes the buffers of a thread
 /// @param visit      called with a `Box` and the thread's buffers
-/// @param tick       called between the sums, with the share of the way, 0 to 1
+/// @param tick       called between the sums, with the share done, 0 to 1
 template <class MakeWork, class Visit, class Tell>
 void in_wavefront(const std::array<std::size_t, 3>& size, const std::array<std::size_t, 3>& box,
                   const MakeWork& make_work, const Visit& visit, const Tell& tick) {

@@ -27,8 +27,8 @@ constexpr double least_across =
     1.2;  ///< eddies side by side, from which on seams are thick by default
 constexpr float thin_empty = 0.9f;  ///< default of `empty`
 constexpr double small_share =
-    0.05;  ///< of the content: if less of it lies in the lattice, that is hardly meant
-constexpr double least_share = 1e-4;  ///< below it, no number is given
+    0.05;  ///< share of the content in the lattice below which the lattice is probably misplaced
+constexpr double least_share = 1e-4;  ///< below this share, messages state no number
 
 /// The prices of steps, in mean energies. Seams of frames have steps in space alone.
 std::array<float, 2> steps_of(const SolverParams& params, float fallback) {
@@ -37,14 +37,14 @@ std::array<float, 2> steps_of(const SolverParams& params, float fallback) {
 }
 
 Prices prices_of(const SolverParams& params, bool forward) {
-    // Neighbouring places had better change at the same moment.
+    // Neighbouring places should change at the same moment.
     const float rigid = !forward                 ? 0.0f
                         : params.axis == Axis::t ? rigidity_of_frames
                                                  : default_rigidity;
     return {params.field_weight, params.empty.value_or(thin_empty), steps_of(params, rigid)};
 }
 
-/// Joins what a mask missed in the frames before with another frame. If the mask is not empty
+/// Joins the MissedRange of earlier frames with that of another frame. If the mask is not empty
 /// there, that is no longer why it marks nothing.
 void join(std::optional<MissedRange>& all, const std::optional<MissedRange>& frame) {
     if (all && frame) all->values = joined(all->values, frame->values);
@@ -54,7 +54,7 @@ void join(std::optional<MissedRange>& all, const std::optional<MissedRange>& fra
 /// Expands a range of energy codes by others, marks left out.
 FLUIDCARVE_WIDE void expand(std::uint16_t& lowest, std::uint16_t& highest,
                             std::span<const std::uint16_t> codes) {
-    // As the lowest, marks are above all energies.
+    // For the lowest code, marks count as above all energies.
     auto low = lowest, high = highest;
     for (const auto code : codes) {
         const auto energy = code < protected_code ? code : std::uint16_t{0};
@@ -144,7 +144,7 @@ std::vector<std::string> GatheredEnergy::warnings() const {
                         "or `min` and `max`) or make it larger",
                         *share < least_share ? fmt::format("less than {:g} %", 100 * least_share)
                                              : fmt::format("{:.2g} %", 100 * *share)));
-    // With a field, seams pay for edges; with masks, they go by these.
+    // With a field, seams pay for edges; with masks, they follow these.
     if (lowest_ == highest_ && !forward_ && !marks_.protect && !marks_.attract)
         out.push_back(fmt::format(
             "`energy` is {:g} at all vertices of the lattice in all frames: a seam costs the same "
@@ -234,7 +234,7 @@ std::optional<Thick> GatheredEnergy::thick_for(const SolverParams& params,
         thickness = (*params.thickness + finest_ - 1) / finest_;
     } else {
         const auto eddies = Eddies::of(energy);
-        // One smooth thing would be doubled as a whole, where it should be stretched.
+        // A single smooth thing would be doubled as a whole, instead of stretched.
         if (eddies.across < least_across) return std::nullopt;
         thickness = std::min(eddies.width, energy.width() / 4);
     }

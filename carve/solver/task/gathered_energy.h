@@ -30,11 +30,12 @@ struct FramePlace {
     std::size_t of = 1;     ///< frames of the sequence
 };
 
-/// The energy of a sequence while it is gathered, frame by frame. With it goes what else frames
-/// say: lattices, masks, active voxels.
+/// Gathers the energy of a sequence frame by frame, with lattices, fields, mask counts and active
+/// voxels.
 class GatheredEnergy {
 public:
-    /// Adds a frame; frames come in their order. Without a count of seams it only checks the frame.
+    /// Adds a frame; frames come in their order. If the count of seams is 0, it only checks the
+    /// frame.
     /// @throws Failure if the frame's lattice has another shape, or a grid another transform, than
     /// in the first frame; as FrameStore
     void add(const SolverParams& params, const FrameEnergy& frame, const FramePlace& at,
@@ -43,37 +44,37 @@ public:
     const std::vector<Ref<Lattice>>& lattices() const {
         return lattices_;
     }  ///< of the frames that were added
-    /// 1, or 2 if the frames came at half size. Then two frames are one, too: their mean.
+    /// 1, or 2 if the frames came at half size. Then two frames become one, too: their mean.
     int finest() const { return finest_; }
     bool has_field() const { return forward_; }         ///< whether the frames came with a field
     const MarkCounts& marks() const { return marks_; }  ///< in all frames, before `after` is carved
-    /// Requires that some active voxel lies in the lattice of its frame, if there are any.
+    /// Requires that some active voxel, if there are any, lies in the lattice of its frame.
     /// @throws Failure that says where both are
     void require_met() const;
     /// Share of the active voxels of all frames that lies in the lattice, 0 to 1; nothing: there
     /// are none.
     std::optional<double> content_share() const;
-    /// Warnings about what makes seams useless, though they will be found.
+    /// Warnings about input that makes seams useless, although the search succeeds.
     std::vector<std::string> warnings() const;
     /// The energies of a sequence, and how thick its seams are.
     struct Searched {
-        EnergyVolume energy;  ///< with all that thin seams pay; thick ones have prices of their own
+        EnergyVolume energy;  ///< with the prices of thin seams; thick ones have prices of their
+                              ///< own
         std::optional<Thick> thick;  ///< nothing: thin
     };
-    /// Hands over the energies and fields of all frames, brought into a space. Prices depend on the
-    /// frames before they are carved. Call it once, after the last frame, if seams are wanted.
+    /// Hands over the energies and fields of all frames, brought into a space. Prices are measured
+    /// before the frames are carved. Call it once, after the last frame, if seams are wanted.
     /// @param space  made from lattices()
     /// @throws Failure as Typical::of(), CarvedSpace::carve_map() and FrameStore; if `thickness` is
     ///   wider than the axis
     Searched take(const SolverParams& params, const CarvedSpace& space, const Limits& limits);
 
-    /// Energies and fields as they were sampled, and what is typical of them.
+    /// Energies and fields as sampled, and their typical values.
     struct Taken {
         EnergyVolume energy;
         Typical typical;
     };
-    /// The same without anything that seams pay, for who finds no seams. Marks are among the codes,
-    /// but not counted.
+    /// The same without prices of seams, for a warp. Codes hold marks, which are not counted.
     Taken take_unpriced(const SolverParams& params, const CarvedSpace& space, const Limits& limits);
 
 private:

@@ -10,7 +10,7 @@ namespace fluidcarve {
 
 /// Where the next seam finds no way: "window [0, 7]: in frame 6 column ... has no unprotected
 /// vertex left".
-/// @param part  of the task, whose seams were looked for
+/// @param part  the part of the task that was searched
 std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamTask::Part& part,
                           const CarvedSpace& space);
 

@@ -23,7 +23,7 @@ int finest_for(const SolverParams& params, const Lattice& lattice) {
     if (params.finest) return *params.finest;
     std::size_t vertices = 1;
     for (const int size : lattice.shape) vertices *= static_cast<std::size_t>(size);
-    // Images are solved exactly, whatever their size; a half frame is none.
+    // Images are solved exactly, whatever their size, and seams of frames need whole frames.
     const bool halves = std::ranges::min(lattice.shape) > 1 && params.axis != Axis::t;
     return halves && vertices > most_vertices_solved ? 2 : 1;
 }

@@ -26,7 +26,7 @@ struct ChoiceNames<Measure> {
 
 /// What a seam pays for.
 enum class Cost {
-    backward,  ///< the energy that it takes away
+    backward,  ///< the energy that it removes
     forward,   ///< also the edges that it leaves behind
 };
 
@@ -36,7 +36,7 @@ struct ChoiceNames<Cost> {
                                          std::pair{"forward", Cost::forward}};
 };
 
-/// What is wanted of a solver (pipelines/NODES.md says what each means).
+/// The parameters of a solver (meanings: pipelines/NODES.md).
 struct SolverParams {
     Axis axis = Axis::u;
     Count count;
@@ -58,13 +58,13 @@ struct SolverParams {
     Auto<int> finest;
 };
 
-/// The parameters of a search once it is known whether frames come with a field. Then seams of
-/// frames leave the first and the last one, unless a window is stated: these make no edge, so that
-/// a shot would be cropped, or begin with a halt.
+/// Sets the defaults that depend on whether frames have a field. With a field, seams of frames
+/// spare the first and the last frame, unless a window is stated: end frames make no edge, so
+/// seams would crop the shot, or begin it with a halt.
 SolverParams params_for(const SolverParams& stated, bool has_field, std::size_t frames);
 
-/// The parameter `finest`, or what `auto` means for a lattice. It depends on nothing else, so that
-/// all machines and all parts of a sequence agree.
+/// The parameter `finest`, or its value for a lattice if it is `auto`. It depends on the lattice
+/// alone, so that all machines and all parts of a sequence agree.
 /// @return 1 or 2
 int finest_for(const SolverParams& params, const Lattice& lattice);
 

@@ -15,7 +15,7 @@ namespace fluidcarve {
 class PartFinder {
 public:
     /// All but the limits must outlive it.
-    /// @param energy  used up
+    /// @param energy  is consumed
     PartFinder(EnergyVolume& energy, const SeamTask& task, const CarvedSpace& space,
                const FindSeam& find, Limits limits);
 
@@ -23,8 +23,8 @@ public:
     std::uint64_t memory() const { return fits_ ? limits_.memory - taken_ : 0; }
 
     /// @param count   of seams, including those that an earlier search found
-    /// @param search  how to go on; its memory, folder and full size are set here
-    /// @throws Failure saying how many seams are possible, and where the next finds no way
+    /// @param search  options of the search; its memory, folder and full size are set here
+    /// @throws Failure saying how many seams are possible, and where the next one is blocked
     FoundSeams operator()(const SeamTask::Part& part, int count, const Tick& tick,
                           Continued search) const;
 

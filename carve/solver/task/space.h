@@ -14,7 +14,7 @@
 namespace fluidcarve {
 
 /// The space in which seams are found: the lattices of a sequence, and what the seams and warps of
-/// `after` leave of them. It refers to the lists that it is made from.
+/// `after` leave of them. It refers to the lists passed to it.
 class CarvedSpace {
 public:
     /// @param lattices  `[t]`, of one shape; only the first if all frames share it together with
@@ -28,18 +28,17 @@ public:
     const std::vector<Ref<Lattice>>& lattices() const { return lattices_; }
     const std::vector<int>& frames() const { return frames_; }
     bool carved() const { return !after_.empty(); }
-    /// I, J, K that the sets leave.
+    /// I, J, K after the sets are carved.
     std::array<int, 3> shape() const;
     LatticeForm form() const;
-    /// Index of the frame whose lattice and energy frame `t` has: `t`, or that of the one that all
-    /// share.
+    /// Index of the lattice and the energy of frame `t`: `t`, or 0 if all frames share one.
     std::size_t place(std::size_t t) const { return std::min(t, lattices_.size() - 1); }
     /// How the sets carve the lattice of frame `t`.
     /// @throws Failure as CarveMap
     CarveMap carve_map(std::size_t t) const;
     /// Faults of the cells by which insertions extend the lattices, in words; empty if there are
     /// none.
-    /// @param found  a set that is carved after the others
+    /// @param found  a set carved after the others
     std::string extension_fault(const Seams& found) const;
 
 private:

@@ -16,17 +16,17 @@ namespace fluidcarve {
 
 namespace {
 
-/// What counts vertices, for messages.
+/// The addition to "vertices", for messages.
 std::string name_of(bool carved) { return carved ? " once the seams of `after` are carved" : ""; }
 
-/// How many vertices the axis has, and which: the end of a message.
+/// The number of vertices along the axis, for the end of a message.
 std::string vertices_along(Axis axis, int size, bool carved) {
     if (axis == Axis::t) return fmt::format("{} frames: 0 to {}", size, size - 1);
     return fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(axis), name_of(carved),
                        size - 1);
 }
 
-/// What an axis goes through, for messages.
+/// The whole that an axis spans, for messages.
 const char* whole_of(Axis axis) { return axis == Axis::t ? "sequence" : "lattice"; }
 
 /// The window that a parameter states.
@@ -50,7 +50,7 @@ Window window_of(const std::string& name, const Auto<VertexRange>& stated, Axis 
 /// Requires that removals leave a vertex along the axis; with `best_effort` the task sees to it.
 void require_vertex_left(const SolverParams& params, int size, bool carved) {
     const int removed = -params.count.of(size);
-    // A window that leaves out vertices keeps them.
+    // Vertices outside a window stay.
     const auto window = params.window ? params.window->of(size) : Window{0, size - 1};
     const bool all = window.first == 0 && window.last == size - 1;
     if (params.best_effort || removed < size || !all) return;

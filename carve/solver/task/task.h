@@ -11,7 +11,7 @@
 
 namespace fluidcarve {
 
-/// What a solver is to find, as far as it is known before the energy is.
+/// What a solver has to find, as known before the energy.
 struct SeamTask {
     /// The seams of one window.
     struct Part {
@@ -21,16 +21,17 @@ struct SeamTask {
         bool static_ = false;
         std::string prefix() const {
             return pair ? "pair_" : "";
-        }  ///< of the names of its parameters, and of what is reported of it
+        }  ///< of the names of its parameters and report entries
     };
     Axis axis = Axis::u;
     std::array<int, 3> shape{};  ///< I, J, K of the space
-    int size = 0;                ///< vertices along the axis; of seams of frames, the frames
+    int size = 0;                ///< vertices along the axis; for seams of frames, the number of
+                                 ///< frames
     int finest = 1;              ///< 2: seams are found at half size
     int asked = 0;               ///< number of seams in each part that the parameters want
-    /// Of seams to find in each part; with `best_effort` no more than there is room for.
+    /// Number of seams to find in each part; with `best_effort` no more than there is room for.
     int count = 0;
-    std::string limit;  ///< of fewer than asked for: which window is too small
+    std::string limit;  ///< which window is too small, if `count` is below `asked`
     Part seams;
     std::optional<Part> pairs;
 };
@@ -44,15 +45,15 @@ SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int fines
 /// @param carved  whether other sets have carved the space
 SeamTask task_of(const SolverParams& params, const LatticeForm& form, bool carved, int finest = 1);
 
-/// Requires an axis that begins and ends, or a pair window in a closed one. Around a rig, u is
-/// carved, or frames, and the rig stays in place.
+/// Requires an open axis, or a pair window if the axis is closed. Around a rig, requires the axis
+/// u, with the default anchor, or t.
 /// @throws Failure
 void require_ends(const SolverParams& params, const LatticeForm& form);
 
 /// The columns of the seams of a task.
 Columns columns_of(const SeamTask& task, const CarvedSpace& space);
 
-/// The set of a task that has no seams yet.
+/// The seam set of a task, without seams.
 Seams empty_seams(const SolverParams& params, const SeamTask& task, const CarvedSpace& space);
 
 }  // namespace fluidcarve

@@ -49,7 +49,7 @@ std::optional<double> TaskBounds::energy_bound(const EnergyVolume& energy, Windo
 
 void TaskBounds::follow(const EnergyVolume& energy, Window window,
                         std::span<const std::uint16_t> at, int number) {
-    // Messages of seams that were found before are passed anew, as far as later ones share them.
+    // Messages of known seams are passed again, as far as later seams share them.
     if (number < before_ && number >= ConsecutiveBounds::first_with(before_))
         find(energy, window, number, [&](double) { check_(); });
     if (found_) consecutive_.follow(at, number);

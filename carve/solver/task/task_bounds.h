@@ -16,7 +16,7 @@ class TaskBounds : public SeamBounds {
 public:
     /// @param passes                 of lower_bound(); nothing: as few as there may be
     /// @param before                 number of seams that an earlier search found; bounds after
-    ///   them are the same as in one go
+    ///   them are those of an uninterrupted search
     /// @param check                  called now and then; stops the work by throwing
     /// @param memory_budget, folder  as for lower_bound()
     TaskBounds(std::optional<int> passes, int before, std::function<void()> check,

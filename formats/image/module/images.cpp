@@ -108,8 +108,8 @@ T from_float(float value) {
     } else if constexpr (std::is_integral_v<T>) {
         constexpr auto least = static_cast<double>(std::numeric_limits<T>::min()),
                        most = static_cast<double>(std::numeric_limits<T>::max());
-        // To the nearest number by a conversion, since a call of std::round() takes longer than all
-        // else here. NaN becomes 0.
+        // Rounds by a conversion, since a call of std::round() takes longer than all other work
+        // here. NaN becomes 0.
         const double scaled = static_cast<double>(value) * most,
                      clamped = scaled > least      ? std::min(scaled, most)
                                : std::isnan(value) ? 0.0
@@ -309,7 +309,7 @@ Image checked(const std::string& path, const std::string& format) {
     return guarded(path, [&] {
         Input file(path, format, true);
         auto out = file.header(format);
-        // A PNG's checksums have told it, in a tenth of the time.
+        // A PNG's checksums have shown it, in a tenth of the time.
         if (format != "png") file.decode([](const char*, std::size_t, std::size_t) {});
         return out;
     });
@@ -366,13 +366,13 @@ void write(const std::string& path, const Image& image, int quality) {
     // Writing EXIF to TIFF fails, with an error for a valid file.
     if (image.format == "tiff") spec.attribute("tiff:write_exif", 0);
 
-    // Into memory: not all of its writers notice what the system refuses.
+    // Writes into memory: not all of OpenImageIO's writers notice errors of the system.
     OIIO::Filesystem::IOVecOutput encoded;
     file->set_ioproxy(&encoded);
     bool done = file->open(path, spec);
     // OpenImageIO 2.5 complains of windows below 0, but writes them (its pull request 4779).
     if (done) file->geterror();
-    // OpenImageIO 2.5 takes the strides of pixels as they are stored for 0 if it is to find them.
+    // OpenImageIO 2.5 takes automatic strides of natively stored pixels for 0.
     const auto stride = static_cast<OIIO::stride_t>(spec.pixel_bytes(true));
     for (int y = 0; done && y < spec.height; y += rows_at_once) {
         const int rows = std::min(rows_at_once, spec.height - y), first = spec.y + y;

@@ -88,7 +88,7 @@ private:
     double rounds_ = 0;               ///< rounds of all loops so far
     int depth_ = 0;
     bool writes_ = false;
-    std::set<std::string> faulty_names_;  ///< names whose fault is told
+    std::set<std::string> faulty_names_;  ///< names whose fault is reported
     bool asks_where_ = false;
 };
 
