@@ -6,6 +6,7 @@
 #include "graph/pipeline_builder.h"
 #include "graph/promises.h"
 #include "graph/timelines.h"
+#include "graph/types/frame_files.h"
 
 #include <fmt/format.h>
 
