@@ -123,6 +123,14 @@ bool fades_in(const openvdb::BBoxd& range, const CarveStep& step) {
     return false;
 }
 
+/// Bounds of displacements, widened to those of the sides that a join shows.
+std::pair<double, double> with_sides(double low, double high, const MetVertices& met,
+                                     const CarveStep& step) {
+    if (!step.joins()) return {low, high};
+    const auto sides = step.joins()->range(met.first, met.size);
+    return {std::min(low, sides[0]), std::max(high, sides[1])};
+}
+
 /// Bounds of the displacements to the entries that values between them are read from.
 /// @param low, high  bounds of the displacements
 /// @param all        whether all points are displaced, by all of it
@@ -141,8 +149,7 @@ std::pair<double, double> read_bounds(double low, double high, bool all) {
 bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
     auto range = carved;
     least_ = most_ = openvdb::Vec3d(0);
-    frees_ = false;
-    fades_ = false;
+    frees_ = fades_ = false;
     rigid_ = openvdb::Vec3d(0);
     bool moved = false;
     for (auto n = tables_.size(); n-- > 0;) {
@@ -165,12 +172,7 @@ bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
         frees_ = frees_ || frees;
         const bool fades = fades_in(range, step);
         fades_ = fades_ || fades;
-        double low = 0.5 * table.low, high = 0.5 * table.high;
-        if (const auto* const joins = step.joins()) {
-            const auto sides = joins->range(table.first, table.size);
-            low = std::min(low, sides[0]);
-            high = std::max(high, sides[1]);
-        }
+        auto [low, high] = with_sides(0.5 * table.low, 0.5 * table.high, met, step);
         if (low == high && std::floor(low) == low && met.whole && !frees && !fades) {
             if (rigid_) (*rigid_)[axis] += low;
         } else {
