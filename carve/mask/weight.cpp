@@ -7,6 +7,30 @@
 
 namespace fluidcarve {
 
+namespace {
+
+/// Looks up energies and weights.
+class Look {
+public:
+    Look(const FloatGrid& energy, const std::vector<WeightedRegion>& regions)
+        : energy_(energy.getConstAccessor()), regions_(regions) {
+        for (const auto& region : regions) masks_.push_back(region.mask->getConstAccessor());
+    }
+    float energy(const openvdb::Coord& at) { return energy_.getValue(at); }
+    float weight(const openvdb::Coord& at, float outside) {
+        for (auto n = masks_.size(); n-- > 0;)
+            if (masks_[n].isValueOn(at)) return regions_[n].weight;
+        return outside;
+    }
+
+private:
+    FloatGrid::ConstAccessor energy_;
+    const std::vector<WeightedRegion>& regions_;
+    std::vector<MaskGrid::ConstAccessor> masks_;
+};
+
+}  // namespace
+
 FloatGrid::Ptr weighted_energy(const FloatGrid& energy, const std::vector<WeightedRegion>& regions,
                                float outside, WeightMode mode) {
     using Tree = openvdb::FloatTree;
@@ -23,24 +47,6 @@ FloatGrid::Ptr weighted_energy(const FloatGrid& energy, const std::vector<Weight
         tree->topologyUnion(regions[n].mask->tree());
     }
 
-    class Look {
-    public:
-        Look(const FloatGrid& energy, const std::vector<WeightedRegion>& regions)
-            : energy_(energy.getConstAccessor()), regions_(regions) {
-            for (const auto& region : regions) masks_.push_back(region.mask->getConstAccessor());
-        }
-        float energy(const openvdb::Coord& at) { return energy_.getValue(at); }
-        float weight(const openvdb::Coord& at, float outside) {
-            for (auto n = masks_.size(); n-- > 0;)
-                if (masks_[n].isValueOn(at)) return regions_[n].weight;
-            return outside;
-        }
-
-    private:
-        FloatGrid::ConstAccessor energy_;
-        const std::vector<WeightedRegion>& regions_;
-        std::vector<MaskGrid::ConstAccessor> masks_;
-    };
     openvdb::tree::LeafManager<Tree>(*tree).foreach ([&](Tree::LeafNodeType& leaf, std::size_t) {
         Look look(energy, regions);
         for (auto voxel = leaf.beginValueOn(); voxel; ++voxel)

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace fluidcarve {
@@ -49,6 +50,60 @@ std::vector<Corner> flattened(const std::vector<Vec3d>& points,
     return out;
 }
 
+/// A polygon from which ears are cut.
+class EarCut {
+public:
+    explicit EarCut(std::vector<Corner> ring) : ring_(std::move(ring)) {
+        for (std::size_t n = 0; n < ring_.size(); ++n) update(n);
+    }
+
+    const Corner& operator[](std::size_t n) const { return ring_[n]; }
+
+    /// The next ear from a corner on. A face without an ear intersects itself: cut anywhere.
+    /// @param left  corners
+    std::size_t ear_from(std::size_t n, std::size_t left) {
+        for (std::size_t tried = 0; tried < left && !is_ear(n); ++tried) n = ring_[n].after;
+        return n;
+    }
+    void cut(std::size_t n) {
+        const auto [before, after] = std::pair(ring_[n].before, ring_[n].after);
+        if (ring_[n].reflex) std::erase(reflex_, n);
+        ring_[n].reflex = false;
+        ring_[before].after = after;
+        ring_[after].before = before;
+        update(before);
+        update(after);
+    }
+
+private:
+    void update(std::size_t n) {
+        auto& corner = ring_[n];
+        const bool was = corner.reflex;
+        corner.reflex = area(ring_[corner.before].at, corner.at, ring_[corner.after].at) <= 0;
+        if (corner.reflex && !was) reflex_.push_back(n);
+        if (!corner.reflex && was) std::erase(reflex_, n);
+        corner.in_way = n;
+    }
+    bool is_ear(std::size_t n) {
+        auto& corner = ring_[n];
+        if (corner.reflex) return false;
+        if (corner.in_way != n && ring_[corner.in_way].reflex) return false;
+        const auto &a = ring_[corner.before].at, &b = corner.at, &c = ring_[corner.after].at;
+        const auto found = std::ranges::find_if(reflex_, [&](std::size_t other) {
+            const auto& p = ring_[other].at;
+            // Ignore corners at the same position as one of the triangle's, as where a hole is
+            // joined to the rim.
+            return p != a && p != b && p != c && area(a, b, p) >= 0 && area(b, c, p) >= 0 &&
+                   area(c, a, p) >= 0;
+        });
+        corner.in_way = found == reflex_.end() ? n : *found;
+        return found == reflex_.end();
+    }
+
+    std::vector<Corner> ring_;
+    std::vector<std::size_t> reflex_;
+};
+
 }  // namespace
 
 void triangulate(const std::vector<Vec3d>& points, std::span<const std::uint32_t> face,
@@ -58,49 +113,19 @@ void triangulate(const std::vector<Vec3d>& points, std::span<const std::uint32_t
         out.push_back({face[0], face[1], face[2]});
         return;
     }
-    auto ring = flattened(points, face);
-    std::vector<std::size_t> reflex;
-    const auto update = [&](std::size_t n) {
-        auto& corner = ring[n];
-        const bool was = corner.reflex;
-        corner.reflex = area(ring[corner.before].at, corner.at, ring[corner.after].at) <= 0;
-        if (corner.reflex && !was) reflex.push_back(n);
-        if (!corner.reflex && was) std::erase(reflex, n);
-        corner.in_way = n;
-    };
-    for (std::size_t n = 0; n < ring.size(); ++n) update(n);
-    const auto is_ear = [&](std::size_t n) {
-        auto& corner = ring[n];
-        if (corner.reflex) return false;
-        if (corner.in_way != n && ring[corner.in_way].reflex) return false;
-        const auto &a = ring[corner.before].at, &b = corner.at, &c = ring[corner.after].at;
-        const auto found = std::find_if(reflex.begin(), reflex.end(), [&](std::size_t other) {
-            const auto& p = ring[other].at;
-            // Ignore corners at the same position as one of the triangle's, as where a hole is
-            // joined to the rim.
-            return p != a && p != b && p != c && area(a, b, p) >= 0 && area(b, c, p) >= 0 &&
-                   area(c, a, p) >= 0;
-        });
-        corner.in_way = found == reflex.end() ? n : *found;
-        return found == reflex.end();
+    EarCut ring(flattened(points, face));
+    const auto add = [&](std::size_t n) {
+        out.push_back({face[ring[n].before], face[n], face[ring[n].after]});
     };
     std::size_t next = 0;
     for (auto left = face.size(); left > 3; --left) {
-        // A face without an ear intersects itself: cut anywhere.
-        auto cut = next;
-        for (std::size_t tried = 0; tried < left && !is_ear(cut); ++tried) cut = ring[cut].after;
-        const auto before = ring[cut].before, after = ring[cut].after;
-        out.push_back({face[before], face[cut], face[after]});
-        if (ring[cut].reflex) std::erase(reflex, cut);
-        ring[cut].reflex = false;
-        ring[before].after = after;
-        ring[after].before = before;
-        update(before);
-        update(after);
+        const auto ear = ring.ear_from(next, left);
+        add(ear);
+        ring.cut(ear);
         // Continue two corners further: fans give thinner triangles than strips.
-        next = ring[after].after;
+        next = ring[ring[ear].after].after;
     }
-    out.push_back({face[ring[next].before], face[next], face[ring[next].after]});
+    add(next);
 }
 
 }  // namespace fluidcarve

@@ -147,87 +147,142 @@ openvdb::math::Transform::Ptr transform_around(const std::vector<Vec3d>& positio
     return out;
 }
 
-}  // namespace
-
-openvdb::GridBase::Ptr grid_of(const PointTable& points) {
-    openvdb::initialize();
-    std::vector<Vec3d> positions;
-    for (std::size_t n = 0; n < points.size; ++n) positions.push_back(points.position(n));
-    const auto grid = PointDataGrid::create();
-    grid->setTransform(transform_around(positions));
-    grid->setName("points");
-
-    std::map<Coord, std::vector<std::pair<Index, std::size_t>>>
-        leaves;  // leaf origin to the voxel and row of each of its points
-    for (std::size_t n = 0; n < points.size; ++n) {
-        const auto at = grid->worldToIndex(positions[n]);
-        if (!(at.length() < 1e9))
-            throw Failure(fmt::format(
-                "vertex {} is too far from the others to share a VDB grid with them", n));
-        const auto voxel = Coord::round(at);
-        leaves[voxel & ~static_cast<std::int32_t>(Leaf::DIM - 1)].emplace_back(
-            Leaf::coordToOffset(voxel), n);
+/// Makes a grid of a table's points.
+class GridOfTable {
+public:
+    explicit GridOfTable(const PointTable& points)
+        : points_(points),
+          sources_(sources_of(points)),
+          like_(AttributeSet::Descriptor::create(TypedAttributeArray<Vec3f>::attributeType()), 1) {
+        for (std::size_t n = 0; n < points.size; ++n) positions_.push_back(points.position(n));
+        grid_->setTransform(transform_around(positions_));
+        grid_->setName("points");
     }
 
-    const auto sources = sources_of(points);
-    AttributeSet like(AttributeSet::Descriptor::create(TypedAttributeArray<Vec3f>::attributeType()),
-                      1);
-    for (const auto& source : sources) {
+    openvdb::GridBase::Ptr make() {
+        auto leaves = rows_of_leaves();
+        for (const auto& source : sources_) add_attribute(source);
+        for (auto& [origin, rows] : leaves) {
+            std::stable_sort(rows.begin(), rows.end(),
+                             [](const auto& a, const auto& b) { return a.first < b.first; });
+            grid_->tree().addLeaf(leaf_of(origin, rows).release());
+        }
+        return grid_;
+    }
+
+private:
+    /// The voxel of each point of a leaf, and its row in the table.
+    using Rows = std::vector<std::pair<Index, std::size_t>>;
+
+    /// The points of each leaf, by the leaf's origin.
+    std::map<Coord, Rows> rows_of_leaves() const {
+        std::map<Coord, Rows> out;
+        for (std::size_t n = 0; n < points_.size; ++n) {
+            const auto at = grid_->worldToIndex(positions_[n]);
+            if (!(at.length() < 1e9))
+                throw Failure(fmt::format(
+                    "vertex {} is too far from the others to share a VDB grid with them", n));
+            const auto voxel = Coord::round(at);
+            out[voxel & ~static_cast<std::int32_t>(Leaf::DIM - 1)].emplace_back(
+                Leaf::coordToOffset(voxel), n);
+        }
+        return out;
+    }
+
+    /// Calls `visit(T{})` with the C++ type of an attribute.
+    template <class Visit>
+    void with_type(const Source& source, const Visit& visit) const {
+        with_attribute_type(points_.columns[source.columns[0]].type, source.columns.size() == 3,
+                            visit);
+    }
+
+    void add_attribute(const Source& source) {
         if (!AttributeSet::Descriptor::validName(source.name) ||
-            like.find(source.name) != AttributeSet::INVALID_POS)
+            like_.find(source.name) != AttributeSet::INVALID_POS)
             throw Failure(
                 fmt::format("the PLY property '{}' can't be the name of a VDB attribute; write a "
                             "PLY file, or name it otherwise",
                             source.name));
-        with_attribute_type(
-            points.columns[source.columns[0]].type, source.columns.size() == 3, [&](auto value) {
-                like.appendAttribute(source.name,
-                                     TypedAttributeArray<decltype(value)>::attributeType());
-            });
+        with_type(source, [&](auto value) {
+            like_.appendAttribute(source.name,
+                                  TypedAttributeArray<decltype(value)>::attributeType());
+        });
     }
 
-    for (auto& gathered : leaves) {
-        const auto& origin = gathered.first;
-        auto& rows = gathered.second;
-        std::stable_sort(rows.begin(), rows.end(),
-                         [](const auto& a, const auto& b) { return a.first < b.first; });
-        auto set = std::make_unique<AttributeSet>(like, static_cast<Index>(rows.size()));
+    std::unique_ptr<Leaf> leaf_of(const Coord& origin, const Rows& rows) const {
+        auto set = std::make_unique<AttributeSet>(like_, static_cast<Index>(rows.size()));
         AttributeWriteHandle<Vec3f> within(*set->get("P"));
         std::vector<Leaf::ValueType> ends(Leaf::SIZE);
         for (std::size_t n = 0; n < rows.size(); ++n) {
             const auto& [voxel, row] = rows[n];
             within.set(static_cast<Index>(n),
-                       Vec3f(grid->worldToIndex(positions[row]) -
+                       Vec3f(grid_->worldToIndex(positions_[row]) -
                              (origin + Leaf::offsetToLocalCoord(voxel)).asVec3d()));
             ends[voxel] = static_cast<Index>(n + 1);
         }
         for (std::size_t n = 1; n < ends.size(); ++n)
             ends[n] = std::max<Index>(ends[n], ends[n - 1]);
-        for (const auto& source : sources) {
-            auto& array = *set->get(source.name);
-            with_attribute_type(points.columns[source.columns[0]].type, source.columns.size() == 3,
-                                [&](auto value) {
-                                    using T = decltype(value);
-                                    AttributeWriteHandle<T> handle(array);
-                                    for (std::size_t n = 0; n < rows.size(); ++n) {
-                                        const auto number = [&](std::size_t c) {
-                                            return PointTable::number(
-                                                points.columns[source.columns[c]], rows[n].second);
-                                        };
-                                        if constexpr (is_vector<T>)
-                                            value = T(Vec3d(number(0), number(1), number(2)));
-                                        else value = static_cast<T>(number(0));
-                                        handle.set(static_cast<Index>(n), value);
-                                    }
-                                });
-            array.compact();
-        }
-        auto leaf = std::make_unique<Leaf>(origin);
-        leaf->replaceAttributeSet(set.release(), true);
-        leaf->setOffsets(ends);
-        grid->tree().addLeaf(leaf.release());
+        for (const auto& source : sources_) fill(*set->get(source.name), source, rows);
+        auto out = std::make_unique<Leaf>(origin);
+        out->replaceAttributeSet(set.release(), true);
+        out->setOffsets(ends);
+        return out;
     }
-    return grid;
+
+    void fill(AttributeArray& array, const Source& source, const Rows& rows) const {
+        with_type(source, [&](auto value) {
+            using T = decltype(value);
+            AttributeWriteHandle<T> handle(array);
+            for (std::size_t n = 0; n < rows.size(); ++n) {
+                const auto number = [&](std::size_t c) {
+                    return PointTable::number(points_.columns[source.columns[c]], rows[n].second);
+                };
+                if constexpr (is_vector<T>) value = T(Vec3d(number(0), number(1), number(2)));
+                else value = static_cast<T>(number(0));
+                handle.set(static_cast<Index>(n), value);
+            }
+        });
+        array.compact();
+    }
+
+    const PointTable& points_;
+    const std::vector<Source> sources_;
+    AttributeSet like_;  ///< of every leaf
+    std::vector<Vec3d> positions_;
+    const PointDataGrid::Ptr grid_ = PointDataGrid::create();
+};
+
+/// Makes the columns of an attribute, if PLY can hold its type.
+/// @param place  of the attribute in the set of each leaf
+bool take_columns(PointTable& out, const PointDataGrid& grid, const std::string& name,
+                  std::size_t place) {
+    const auto& set = grid.tree().cbeginLeaf()->attributeSet();
+    const auto& like = *set.getConst(place);
+    const auto stride = like.stride();
+    return !isString(like) && with_value_type(set.descriptor().valueType(place), [&](auto value) {
+        using T = decltype(value);
+        for (Index m = 0; m < stride; ++m) {
+            const auto columns = out.columns.size();
+            add_columns<T>(out, stride == 1 ? name : fmt::format("{}_{}", name, m));
+            for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+                const AttributeHandle<T> handle(*leaf->attributeSet().getConst(place));
+                for (Index n = 0; n < leaf->pointCount(); ++n) {
+                    const T each = handle.get(n, m);
+                    if constexpr (is_vector<T>)
+                        for (std::size_t c = 0; c < 3; ++c)
+                            append(out.columns[columns + c], each[static_cast<int>(c)]);
+                    else append(out.columns[columns], each);
+                }
+            }
+        }
+    });
+}
+
+}  // namespace
+
+openvdb::GridBase::Ptr grid_of(const PointTable& points) {
+    openvdb::initialize();
+    return GridOfTable(points).make();
 }
 
 PointTable ply_of(const openvdb::GridBase& base, std::vector<std::string>& left_out) {
@@ -235,8 +290,7 @@ PointTable ply_of(const openvdb::GridBase& base, std::vector<std::string>& left_
     PointTable out;
     out.size = point_count(base);
     add_columns<Vec3d>(out, "", {"x", "y", "z"});
-    const auto positions = point_positions(base);
-    for (const auto& at : positions)
+    for (const auto& at : point_positions(base))
         for (int c = 0; c < 3; ++c) append(out.columns[static_cast<std::size_t>(c)], at[c]);
     const auto first = grid.tree().cbeginLeaf();
     if (!first) return out;
@@ -246,30 +300,8 @@ PointTable ply_of(const openvdb::GridBase& base, std::vector<std::string>& left_
     for (const auto& [name, place] : descriptor.map())
         if (name != "P" && !isGroup(*first->attributeSet().getConst(place)))
             attributes[place] = name;
-    for (const auto& [place, name] : attributes) {
-        const auto stride = first->attributeSet().getConst(place)->stride();
-        const bool text = isString(*first->attributeSet().getConst(place));
-        const bool held =
-            !text &&
-            with_value_type(descriptor.valueType(place), [&, at = place, &name = name](auto value) {
-                using T = decltype(value);
-                for (Index m = 0; m < stride; ++m) {
-                    const auto columns = out.columns.size();
-                    add_columns<T>(out, stride == 1 ? name : fmt::format("{}_{}", name, m));
-                    for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
-                        const AttributeHandle<T> handle(*leaf->attributeSet().getConst(at));
-                        for (Index n = 0; n < leaf->pointCount(); ++n) {
-                            const T each = handle.get(n, m);
-                            if constexpr (is_vector<T>)
-                                for (std::size_t c = 0; c < 3; ++c)
-                                    append(out.columns[columns + c], each[static_cast<int>(c)]);
-                            else append(out.columns[columns], each);
-                        }
-                    }
-                }
-            });
-        if (!held) left_out.push_back(name);
-    }
+    for (const auto& [place, name] : attributes)
+        if (!take_columns(out, grid, name, place)) left_out.push_back(name);
     for (const auto& [name, offset] : descriptor.groupMap()) {
         add_columns<bool>(out, "group_" + name);
         for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {

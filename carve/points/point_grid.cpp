@@ -135,6 +135,27 @@ bool unchanged(const Gathered& gathered, const Leaves& leaves) {
                        [&](const auto& point) { return point.leaf == leaf && !point.moved; });
 }
 
+/// Copies the values of an attribute from the leaves that points come from.
+/// @param runs  for each of the leaves
+void copy_values(const Leaves& leaves,
+                 const std::unordered_map<std::size_t, std::vector<std::pair<Index, Index>>>& runs,
+                 std::size_t attribute, AttributeArray& to) {
+    to.expand();
+    bool uniform = true;
+    for (const auto& [leaf, pairs] : runs) {
+        const auto& source = *leaves.all[leaf]->attributeSet().getConst(attribute);
+        uniform = uniform && source.isUniform();
+        // A uniform array stores one value, but copyValuesUnsafe reads as many as the stride.
+        AttributeArray::Ptr whole;
+        if (source.isUniform() && source.stride() > 1) {
+            whole = source.copy();
+            whole->expand();
+        }
+        to.copyValuesUnsafe(whole ? *whole : source, CopyRun{&pairs});
+    }
+    if (uniform) to.compact();
+}
+
 std::unique_ptr<Leaf> made(Gathered& gathered, const Leaves& leaves,
                            const AttributeArray::ScopedRegistryLock& lock) {
     auto& points = gathered.points;
@@ -146,23 +167,7 @@ std::unique_ptr<Leaf> made(Gathered& gathered, const Leaves& leaves,
     std::unordered_map<std::size_t, std::vector<std::pair<Index, Index>>> runs;
     for (std::size_t n = 0; n < points.size(); ++n)
         runs[points[n].leaf].emplace_back(points[n].point, static_cast<Index>(n));
-    for (std::size_t n = 0; n < set->size(); ++n) {
-        auto& target = *set->get(n);
-        target.expand();
-        bool uniform = true;
-        for (const auto& [leaf, pairs] : runs) {
-            const auto& source = *leaves.all[leaf]->attributeSet().getConst(n);
-            uniform = uniform && source.isUniform();
-            // A uniform array stores one value, but copyValuesUnsafe reads as many as the stride.
-            AttributeArray::Ptr whole;
-            if (source.isUniform() && source.stride() > 1) {
-                whole = source.copy();
-                whole->expand();
-            }
-            target.copyValuesUnsafe(whole ? *whole : source, CopyRun{&pairs});
-        }
-        if (uniform) target.compact();
-    }
+    for (std::size_t n = 0; n < set->size(); ++n) copy_values(leaves, runs, n, *set->get(n));
     AttributeWriteHandle<Vec3f> positions(*set->get("P"));
     for (std::size_t n = 0; n < points.size(); ++n)
         if (points[n].moved) positions.set(static_cast<Index>(n), points[n].within);
@@ -178,62 +183,82 @@ std::unique_ptr<Leaf> made(Gathered& gathered, const Leaves& leaves,
     return out;
 }
 
-}  // namespace
+/// Checks the leaves of a grid, one after the other.
+template <class Refuse>
+class SoundLeaves {
+public:
+    /// @param refuse  throws, with a text that says what is wrong
+    explicit SoundLeaves(const Refuse& refuse) : refuse(refuse) {}
 
-void require_sound(const openvdb::GridBase& grid, const std::string& path) {
-    const auto refuse = [&](const std::string& fault) {
-        throw Failure(fmt::format("{} is damaged: grid '{}': {}", path, grid.getName(), fault),
-                      Failure::Kind::input);
-    };
-    const auto place_of = [](const Coord& at) {
-        return fmt::format("[{}, {}, {}]", at.x(), at.y(), at.z());
-    };
-    // A uniform array can state any number of points without using memory.
-    constexpr std::uint64_t values_per_byte = 16;
-    const AttributeSet* first = nullptr;
-    std::uint64_t count = 0;
-    for (auto leaf = of(grid).tree().cbeginLeaf(); leaf; ++leaf) {
-        const auto& set = leaf->attributeSet();
+    void require(const Leaf& leaf) {
         try {
-            leaf->validateOffsets();
+            leaf.validateOffsets();
         } catch (const openvdb::Exception& error) {
             refuse(error.what());
         }
+        const auto& set = leaf.attributeSet();
         const auto* const positions = set.getConst("P");
         if (!positions || positions->valueType() != openvdb::typeNameAsString<Vec3f>() ||
             positions->stride() != 1)
             refuse("it has no attribute P of type vec3s, which holds the positions");
-        if (first && &first->descriptor() != &set.descriptor() &&
-            first->descriptor() != set.descriptor())
+        if (first_ && &first_->descriptor() != &set.descriptor() &&
+            first_->descriptor() != set.descriptor())
             refuse("its points have other attributes here than there");
-        first = first ? first : &set;
-        for (std::size_t n = 0; n < set.size(); ++n) {
-            const auto& array = *set.getConst(n);
-            if (!array.hasConstantStride())
-                refuse("it has an attribute of a length that varies from point to point");
-            if (array.stride() < 1 || array.stride() != first->getConst(n)->stride())
-                refuse("it has an attribute of other lengths here than there");
-            if (array.size() != leaf->pointCount())
-                refuse(fmt::format("it counts {} points at {}, but has {} values",
-                                   leaf->pointCount(), place_of(leaf->origin()), array.size()));
-            const auto values = std::uint64_t{array.size()} * array.stride(),
-                       most = values_per_byte * leaf->memUsage();
-            if (values > most)
-                refuse(
-                    fmt::format("it states {} values in the voxels from {}, more than the {} that "
-                                "as many bytes can mean",
-                                values, place_of(leaf->origin()), most));
-        }
+        first_ = first_ ? first_ : &set;
+        for (std::size_t n = 0; n < set.size(); ++n)
+            require_values(leaf, *set.getConst(n), first_->getConst(n)->stride());
         const Positions handle(*positions);
-        each_point(*leaf, [&](Index point, Index voxel) {
+        each_point(leaf, [&](Index point, Index voxel) {
             if (openvdb::math::isFinite(handle.get(point))) return;
             refuse(fmt::format("the position of a point in voxel {} is not finite",
-                               place_of(leaf->offsetToGlobalCoord(voxel))));
+                               place_of(leaf.offsetToGlobalCoord(voxel))));
         });
+    }
+
+    const Refuse refuse;
+
+private:
+    static std::string place_of(const Coord& at) {
+        return fmt::format("[{}, {}, {}]", at.x(), at.y(), at.z());
+    }
+
+    /// @param stride  of the attribute in the first leaf
+    void require_values(const Leaf& leaf, const AttributeArray& array, Index stride) const {
+        // A uniform array can state any number of points without using memory.
+        constexpr std::uint64_t values_per_byte = 16;
+        if (!array.hasConstantStride())
+            refuse("it has an attribute of a length that varies from point to point");
+        if (array.stride() < 1 || array.stride() != stride)
+            refuse("it has an attribute of other lengths here than there");
+        if (array.size() != leaf.pointCount())
+            refuse(fmt::format("it counts {} points at {}, but has {} values", leaf.pointCount(),
+                               place_of(leaf.origin()), array.size()));
+        const auto values = std::uint64_t{array.size()} * array.stride(),
+                   most = values_per_byte * leaf.memUsage();
+        if (values > most)
+            refuse(
+                fmt::format("it states {} values in the voxels from {}, more than the {} that "
+                            "as many bytes can mean",
+                            values, place_of(leaf.origin()), most));
+    }
+
+    const AttributeSet* first_ = nullptr;  ///< of the first leaf
+};
+
+}  // namespace
+
+void require_sound(const openvdb::GridBase& grid, const std::string& path) {
+    SoundLeaves leaves([&](const std::string& fault) {
+        throw Failure(fmt::format("{} is damaged: grid '{}': {}", path, grid.getName(), fault),
+                      Failure::Kind::input);
+    });
+    std::uint64_t count = 0;
+    for (auto leaf = of(grid).tree().cbeginLeaf(); leaf; ++leaf) {
+        leaves.require(*leaf);
         count += leaf->pointCount();
     }
     if (count > 0xffffffffu)
-        refuse(fmt::format("it has {} points; the most is {}", count, 0xffffffffu));
+        leaves.refuse(fmt::format("it has {} points; the most is {}", count, 0xffffffffu));
 }
 
 std::size_t point_count(const openvdb::GridBase& grid) { return Leaves(grid).size(); }

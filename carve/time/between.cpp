@@ -21,9 +21,9 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace fluidcarve {
@@ -128,60 +128,98 @@ private:
 /// Blends a float or vector grid of two frames, of which one may be null: then the other fades. A
 /// level set can't fade: it appears where its frame is the nearer one.
 template <class GridT>
-typename GridT::ConstPtr grid_mixed(const GridT* first, const GridT* second, const ShareAt& share,
-                                    const Ways& ways) {
-    constexpr bool floats = std::is_same_v<GridT, FloatGrid>;
-    const auto& header = first ? *first : *second;
-    const Side<GridT> a(first, header, ways.from_a, ways.transport),
-        b(second, header, ways.from_b, ways.transport);
-    const bool level_set = header.getGridClass() == openvdb::GRID_LEVEL_SET;
-    const bool alone = level_set && !(first && second);
-    const auto out = header.deepCopy();
-    for (const GridT* const each : {a.grid, b.grid, a.moved.get(), b.moved.get()}) {
-        if (!each) continue;
-        out->topologyUnion(*each);
-        // Beyond the narrow bands, the sign alone tells the sides apart.
-        if constexpr (floats)
-            if (level_set) activate_inside(*out, *each);
+class GridMix {
+public:
+    GridMix(const GridT* first, const GridT* second, const ShareAt& share, const Ways& ways)
+        : header_(first ? *first : *second),
+          a_(first, header_, ways.from_a, ways.transport),
+          b_(second, header_, ways.from_b, ways.transport),
+          share_(share),
+          alone_(level_set() && !(first && second)),
+          out_(header_.deepCopy()) {
+        for (const GridT* const each : {a_.grid, b_.grid, a_.moved.get(), b_.moved.get()}) {
+            if (!each) continue;
+            out_->topologyUnion(*each);
+            // Beyond the narrow bands, the sign alone tells the sides apart.
+            if constexpr (floats)
+                if (level_set()) activate_inside(*out_, *each);
+        }
+        out_->tree().voxelizeActiveTiles();
     }
-    out->tree().voxelizeActiveTiles();
+
+    bool level_set() const { return header_.getGridClass() == openvdb::GRID_LEVEL_SET; }
+
+    /// @return the mixed grid, and by what factor its sum falls short of what lies between the
+    ///   frames; of vectors, not a number
+    std::pair<typename GridT::Ptr, double> mix() {
+        openvdb::tree::LeafManager<typename GridT::TreeType> leaves(out_->tree());
+        std::vector<Sums> sums(leaves.leafCount());
+        leaves.foreach ([&](auto& leaf, std::size_t n) { mix_leaf(leaf, sums[n]); });
+        double wanted = 0, got = 0;
+        for (const auto& each : sums) {
+            wanted += each.wanted;
+            got += each.got;
+        }
+        return {out_, wanted / got};
+    }
+
+private:
+    static constexpr bool floats = std::is_same_v<GridT, FloatGrid>;
     using Value = typename GridT::ValueType;
     using Element = typename openvdb::VecTraits<Value>::ElementType;
-    openvdb::tree::LeafManager<typename GridT::TreeType> leaves(out->tree());
-    // Sums over the blended voxels, by leaf: the wanted one, and the actual one.
-    std::vector<double> wanted(leaves.leafCount()), got(wanted);
-    leaves.foreach ([&](auto& leaf, std::size_t n) {
-        const auto values = [&](const GridT* of) { return ValuesOf<GridT>(of, out->background()); };
-        const auto old = values(a.grid), now = values(b.grid), old_moved = values(a.shown()),
-                   now_moved = values(b.shown());
+    using Leaf = typename GridT::TreeType::LeafNodeType;
+
+    /// Sums of what lies between the frames in a leaf: as it should be, and as it is.
+    struct Sums {
+        double wanted = 0, got = 0;
+    };
+
+    void mix_leaf(Leaf& leaf, Sums& sums) const {
+        const auto values = [&](const GridT* of) {
+            return ValuesOf<GridT>(of, out_->background());
+        };
+        const auto old = values(a_.grid), now = values(b_.grid), old_moved = values(a_.shown()),
+                   now_moved = values(b_.shown());
         for (auto value = leaf.beginValueOn(); value; ++value) {
             const auto at = value.getCoord();
-            const auto part = static_cast<Element>(share(out->indexToWorld(at)));
+            const auto part = static_cast<Element>(share_(out_->indexToWorld(at)));
             // One side alone keeps its bits.
             if (part == 0) value.setValue(old(at));
             else if (part == 1) value.setValue(now(at));
-            else if (alone) {
-                if ((part < 0.5f) == (first != nullptr))
-                    value.setValue(first ? old_moved(at) : now_moved(at));
-                else value.setValue(out->background());
+            else if (alone_) {
+                if ((part < 0.5f) == (a_.grid != nullptr))
+                    value.setValue(a_.grid ? old_moved(at) : now_moved(at));
+                else value.setValue(out_->background());
             } else {
                 const Value before = old_moved(at), after = now_moved(at);
                 value.setValue(before == after ? before
                                                : Value(before * (1 - part) + after * part));
                 if constexpr (floats) {
-                    wanted[n] += double((1 - part) * old(at) + part * now(at));
-                    got[n] += double(*value);
+                    sums.wanted += double((1 - part) * old(at) + part * now(at));
+                    sums.got += double(*value);
                 }
             }
         }
-    });
-    if constexpr (floats) {
+    }
+
+    const GridT& header_;
+    const Side<GridT> a_, b_;
+    const ShareAt& share_;
+    const bool alone_;  ///< a level set that the other frame has not
+    const typename GridT::Ptr out_;
+};
+
+/// A float or vector grid of two frames.
+template <class GridT>
+typename GridT::ConstPtr grid_mixed(const GridT* first, const GridT* second, const ShareAt& share,
+                                    const Ways& ways) {
+    GridMix<GridT> mixing(first, second, share, ways);
+    const auto [out, by] = mixing.mix();
+    if constexpr (std::is_same_v<GridT, FloatGrid>) {
         // A mean of distances is nearly a distance. Recomputed distances would move the surface.
-        if (level_set) return trim(*out), out;
-        // Converging or diverging motion would make mass pulsate from frame to frame. Where places
-        // show different moments, one factor for all would leave steps.
-        const double by = std::accumulate(wanted.begin(), wanted.end(), 0.0) /
-                          std::accumulate(got.begin(), got.end(), 0.0);
+        if (mixing.level_set()) return trim(*out), out;
+        // Converging or diverging motion would make mass pulsate from frame to frame. Where
+        // places show different moments, one factor for all would leave steps.
         if (ways.from_a && ways.alike && by > 0.5 && by < 2) multiply(*out, by);
     }
     openvdb::tools::deactivate(out->tree(), out->background());

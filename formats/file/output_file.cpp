@@ -165,6 +165,31 @@ int open_stream(const std::string& path) {
     return file;
 }
 
+void make_folder(const std::filesystem::path& folder, const std::string& path) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error)
+        throw Failure(fmt::format("cannot write {}: the folder {} cannot be made: {}", path,
+                                  folder.string(), error.message()));
+}
+
+/// @throws Failure if what is there already is not to be replaced by a file
+void require_replaceable(const std::string& path) {
+    std::error_code error;
+    if (std::filesystem::is_directory(path, error))
+        throw Failure(fmt::format("cannot write {}: it is a folder", path));
+    if (is_stream(path))
+        throw Failure(
+            fmt::format("cannot write {}: it is a device or a pipe, which a file must not replace; "
+                        "name a regular file",
+                        path));
+    if (std::filesystem::is_symlink(path, error))
+        throw Failure(
+            fmt::format("cannot write {}: it is a link to {}, which a file must not replace; "
+                        "remove the link, or name another path",
+                        path, std::filesystem::read_symlink(path, error).string()));
+}
+
 }  // namespace
 
 void OutputFile::write(const std::string& path, std::string_view text) {
@@ -208,23 +233,8 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     require_allowed(path_);
     const std::filesystem::path target(path_);
     const auto folder = folder_of(target);
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error)
-        throw Failure(fmt::format("cannot write {}: the folder {} cannot be made: {}", path_,
-                                  folder.string(), error.message()));
-    if (std::filesystem::is_directory(target, error))
-        throw Failure(fmt::format("cannot write {}: it is a folder", path_));
-    if (std::filesystem::is_symlink(target, error) && !is_stream(target))
-        throw Failure(
-            fmt::format("cannot write {}: it is a link to {}, which a file must not replace; "
-                        "remove the link, or name another path",
-                        path_, std::filesystem::read_symlink(target, error).string()));
-    if (is_stream(target))
-        throw Failure(
-            fmt::format("cannot write {}: it is a device or a pipe, which a file must not replace; "
-                        "name a regular file",
-                        path_));
+    make_folder(folder, path_);
+    require_replaceable(path_);
     const std::lock_guard lock(unfinished_mutex);
     remove_orphans(folder);
     // Create the file now: permission bits alone do not tell whether the folder can be written to.
@@ -241,7 +251,8 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     const auto refusal = Confinement::of_program().refusal_of_open(file);
     ::close(file);
     if (!refusal.empty()) {
-        std::filesystem::remove(aside_, error);
+        std::error_code ignored;
+        std::filesystem::remove(aside_, ignored);
         throw refused(path_, refusal);
     }
     unfinished.insert(aside_);

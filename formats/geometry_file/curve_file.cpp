@@ -127,45 +127,54 @@ std::vector<Vec3d> read_obj(FileText& file) {
     return out;
 }
 
-std::vector<Vec3d> read_ply(FileText& file) {
+PlyHeader ply_header(FileText& file) {
     if (!file.next() || file.line() != "ply")
         file.fault("this is no PLY file: its first line is not 'ply'");
     using Kind = PlyStatement::Kind;
-    PlyHeader header;
+    PlyHeader out;
     for (auto kind = Kind::comment; kind != Kind::end;) {
         if (!file.next()) file.fault("the header has no 'end_header'");
-        const auto statement = header.take(file.line());
+        const auto statement = out.take(file.line());
         kind = statement.kind;
         if (kind == Kind::format && statement.word(1) != name_of(NumberForm::ascii))
             file.fault("only PLY files of format ascii can be read here");
         if (kind == Kind::element && (statement.words.size() != 3 || statement.wrong))
             file.fault("an element needs a name and a count");
-        if (kind == Kind::property && !header.elements.empty() &&
-            header.elements.back().name == "vertex" && statement.words.size() != 3)
+        if (kind == Kind::property && !out.elements.empty() &&
+            out.elements.back().name == "vertex" && statement.words.size() != 3)
             file.fault("a vertex with a list among its properties can't be read here");
     }
+    return out;
+}
+
+/// The columns of a vertex that hold its position.
+std::array<std::size_t, 3> position_columns(const FileText& file,
+                                            const PlyHeader::Element& vertex) {
+    std::array<std::size_t, 3> out{};
+    for (std::size_t c = 0; c < 3; ++c) {
+        const auto found = std::ranges::find(vertex.properties, std::string(1, "xyz"[c]),
+                                             &PlyHeader::Property::name);
+        if (found == vertex.properties.end())
+            file.fault(fmt::format("element 'vertex' has no property '{}'", "xyz"[c]));
+        out[c] = static_cast<std::size_t>(found - vertex.properties.begin());
+    }
+    return out;
+}
+
+std::vector<Vec3d> read_ply(FileText& file) {
+    const auto header = ply_header(file);
     for (const auto& element : header.elements) {
-        std::array<std::size_t, 3> columns{};
-        if (element.name == "vertex")
-            for (std::size_t c = 0; c < 3; ++c) {
-                const auto found =
-                    std::find_if(element.properties.begin(), element.properties.end(),
-                                 [&](const PlyHeader::Property& each) {
-                                     return each.name == std::string(1, "xyz"[c]);
-                                 });
-                if (found == element.properties.end())
-                    file.fault(fmt::format("element 'vertex' has no property '{}'", "xyz"[c]));
-                columns[c] = static_cast<std::size_t>(found - element.properties.begin());
-            }
+        const bool is_vertex = element.name == "vertex";
+        const auto columns =
+            is_vertex ? position_columns(file, element) : std::array<std::size_t, 3>{};
         std::vector<Vec3d> out;
         for (std::size_t n = 0; n < element.count; ++n) {
             if (!file.next())
                 file.fault(fmt::format("the file ends after {} of {} lines of element '{}'", n,
                                        element.count, element.name));
-            if (element.name == "vertex")
-                out.push_back(point_in(file, words_of(file.line()), columns));
+            if (is_vertex) out.push_back(point_in(file, words_of(file.line()), columns));
         }
-        if (element.name == "vertex") return out;
+        if (is_vertex) return out;
     }
     file.fault_in_all("there is no element 'vertex' in it");
 }

@@ -348,6 +348,86 @@ void reframe(Image& image, const Image::Window& to) {
     image.pixels = std::move(pixels);
 }
 
+/// The voxels that channels hold.
+CoordBBox box_of(const Channels& channels) {
+    CoordBBox out;
+    for (const auto& channel : channels) {
+        const auto& grid = channel.header();
+        if (const auto* const plane = channel.plane()) out.expand(plane->box);
+        else
+            out.expand(grid.isType<FloatGrid>() ? active_box(static_cast<const FloatGrid&>(grid))
+                                                : grid.evalActiveVoxelBoundingBox());
+    }
+    return out;
+}
+
+/// @param box  of the voxels that make a picture of `names`
+void require_picture(const std::string& names, const CoordBBox& box) {
+    if (box.empty())
+        throw Failure(fmt::format("no voxel of {} is active: there is no pixel to write", names));
+    if (box.min().z() != box.max().z())
+        throw Failure(fmt::format(
+            "the active voxels of {} go from z = {} to {}; an image is one plane of voxels", names,
+            box.min().z(), box.max().z()));
+    require_pixels(names, box);
+}
+
+struct Windows {
+    Image::Window display, data;
+};
+
+/// The windows that a volume's metadata state, turned to another orientation. Without any, the box
+/// is the whole picture.
+Windows stated_windows(const MetaMap& metadata, const CoordBBox& box, int orientation) {
+    const int held = meta(metadata, orientation_key, 1);
+    const auto size = turned_size(held, box.dim().x(), box.dim().y());
+    Windows out;
+    out.display = window_of(metadata, display_key, {0, 0, size[0], size[1]});
+    out.data = window_of(metadata, data_key, out.display);
+    if (orientation == held) return out;
+    const Upright stored(held, out.display);
+    const auto voxels = stored.voxels(out.data);
+    out.display = {out.display.x, out.display.y, stored.width(), stored.height()};
+    out.data = Upright(orientation, out.display).window(voxels);
+    return out;
+}
+
+/// A picture that is written.
+struct Picture {
+    const Channels& channels;
+    CoordBBox box;  ///< of its voxels, as if their plane were at z = 0
+    int z;          ///< of the plane
+};
+
+/// Reads a picture's pixels, and sets the image's windows.
+/// @param stated  the windows that it had, with their corner at the voxel `corner`
+void read_picture(const Picture& picture, const Windows& stated, const Coord& corner, Image& out) {
+    const auto& [display, data] = stated;
+    const auto& [channels, box, z] = picture;
+    const int orientation = orientation_of(out);
+    const Upright read(orientation, display, corner);
+    const auto was = read.voxels(united(data, display));
+    if (was == box) {
+        out.display = display;
+        out.data = united(data, display);
+        read_pixels(channels, read, z, out);
+        if (out.data != data) reframe(out, *around_content(out, data));
+        return;
+    }
+    // The display window grows or shrinks with the box.
+    const auto shown = read.voxels(display);
+    const CoordBBox now(shown.min() + box.min() - was.min(), shown.max() + box.max() - was.max());
+    require_pixels(names_of(channels), now);
+    const auto turned = turned_size(orientation, now.dim().x(), now.dim().y());
+    out.display = {display.x, display.y, turned[0], turned[1]};
+    const Upright upright(orientation, out.display, now.min());
+    out.data = upright.window(box);
+    read_pixels(channels, upright, z, out);
+    // Where the window was smaller than the picture, there was nothing around it.
+    if (united(data, display) != data)
+        if (const auto content = around_content(out, std::nullopt)) reframe(out, *content);
+}
+
 }  // namespace
 
 std::array<int, 2> upright_size(const Image& header) {
@@ -385,67 +465,25 @@ Image image_of(const Volume& volume, const ImageWish& wish,
     require_layout(channels, *wish.format);
     const auto depths = depths_of(channels, wish);
 
-    CoordBBox box;
-    bool same_depth = true;
     Image out;
     out.format = wish.format->name;
+    bool same_depth = true;
     for (std::size_t c = 0; c < channels.size(); ++c) {
         const auto& grid = channels[c].header();
-        if (const auto* const plane = channels[c].plane()) box.expand(plane->box);
-        else
-            box.expand(grid.isType<FloatGrid>() ? active_box(static_cast<const FloatGrid&>(grid))
-                                                : grid.evalActiveVoxelBoundingBox());
         out.channels.push_back({grid.getName(), depths[c]});
         same_depth = same_depth && meta(grid, depth_key, std::string()) == depths[c];
         if (const auto name = grid.getName();
             !is_identity(grid) && is_opacity(name) && name.find('.') == std::string::npos)
             out.alpha = static_cast<int>(c);
     }
-    if (box.empty())
-        throw Failure(fmt::format("no voxel of {} is active: there is no pixel to write",
-                                  names_of(channels)));
-    if (box.min().z() != box.max().z())
-        throw Failure(fmt::format(
-            "the active voxels of {} go from z = {} to {}; an image is one plane of voxels",
-            names_of(channels), box.min().z(), box.max().z()));
-    require_pixels(names_of(channels), box);
+    const auto box = box_of(channels);
+    require_picture(names_of(channels), box);
     out.attributes = attributes_for(volume, out.format, same_depth);
-    const int held = meta(volume.metadata, orientation_key, 1), orientation = orientation_of(out);
 
-    // Without a stored window the box is the whole picture.
-    const auto flat =
-        CoordBBox({box.min().x(), box.min().y(), 0}, {box.max().x(), box.max().y(), 0});
-    const auto size = turned_size(held, flat.dim().x(), flat.dim().y());
-    auto display = window_of(volume.metadata, display_key, {0, 0, size[0], size[1]});
-    auto data = window_of(volume.metadata, data_key, display);
-    if (orientation != held) {
-        const Upright stored(held, display);
-        const auto voxels = stored.voxels(data);
-        display = {display.x, display.y, stored.width(), stored.height()};
-        data = Upright(orientation, display).window(voxels);
-    }
-    const Upright read(orientation, display, volume.metadata[display_key] ? Coord(0) : flat.min());
-    const auto was = read.voxels(united(data, display));
-    if (was == flat) {
-        out.display = display;
-        out.data = united(data, display);
-        read_pixels(channels, read, box.min().z(), out);
-        if (out.data != data) reframe(out, *around_content(out, data));
-    } else {
-        // The display window grows or shrinks with the box.
-        const auto picture = read.voxels(display);
-        const CoordBBox now(picture.min() + flat.min() - was.min(),
-                            picture.max() + flat.max() - was.max());
-        require_pixels(names_of(channels), now);
-        const auto turned = turned_size(orientation, now.dim().x(), now.dim().y());
-        out.display = {display.x, display.y, turned[0], turned[1]};
-        const Upright upright(orientation, out.display, now.min());
-        out.data = upright.window(flat);
-        read_pixels(channels, upright, box.min().z(), out);
-        // Where the window was smaller than the picture, there was nothing around it.
-        if (united(data, display) != data)
-            if (const auto content = around_content(out, std::nullopt)) reframe(out, *content);
-    }
+    const CoordBBox flat({box.min().x(), box.min().y(), 0}, {box.max().x(), box.max().y(), 0});
+    read_picture({channels, flat, box.min().z()},
+                 stated_windows(volume.metadata, flat, orientation_of(out)),
+                 volume.metadata[display_key] ? Coord(0) : flat.min(), out);
     if (out.format != "openexr") {
         if (united(out.data, out.display) != out.display)
             warn(

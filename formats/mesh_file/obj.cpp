@@ -188,24 +188,14 @@ private:
     Pool uvs_{}, normals_{}, extra_{};
 };
 
-}  // namespace
+/// The attributes that an OBJ file holds; null: none.
+struct ObjAttributes {
+    const Attribute *uvs = nullptr, *normals = nullptr;
+    const Attribute* extra = nullptr;  ///< numbers behind the position of a vertex
+};
 
-Mesh read_obj(FileText& file, Losses&) { return ObjReader(file).read(); }
-
-std::string obj_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses& losses) {
-    fmt::memory_buffer text;
-    const auto to = std::back_inserter(text);
-    const auto& lines = lines_for(mesh, "obj", losses);
-    auto line = lines.begin();
-    const auto write_up_to = [&](auto end) {
-        for (; line != end; ++line)
-            if (!is_provenance_comment(line->text)) fmt::format_to(to, "{}\n", line->text);
-    };
-    const auto write_before = [&](std::size_t face) {
-        write_up_to(std::find_if(line, lines.end(),
-                                 [&](const Mesh::Line& each) { return each.face > face; }));
-    };
-    const Attribute *uvs = nullptr, *normals = nullptr, *extra = nullptr;
+ObjAttributes obj_attributes(const Mesh& mesh, Losses& losses) {
+    ObjAttributes out;
     const bool own = mesh.stored && mesh.stored->format == "obj";
     for (const auto& attribute : mesh.attributes) {
         const auto parts = attribute.parts.size();
@@ -214,49 +204,99 @@ std::string obj_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
         const bool is_extra = attribute.name == "colour"
                                   ? parts == 3 || parts == 4
                                   : attribute.name == "weight" && parts == 1 && own;
-        if (attribute.name == "uv" && (parts == 2 || own) && !uvs) uvs = &attribute;
-        else if (attribute.name == "normal" && parts == 3 && !normals) normals = &attribute;
-        else if (attribute.on == Attribute::On::vertices && is_extra && !extra) extra = &attribute;
+        if (attribute.name == "uv" && (parts == 2 || own) && !out.uvs) out.uvs = &attribute;
+        else if (attribute.name == "normal" && parts == 3 && !out.normals) out.normals = &attribute;
+        else if (attribute.on == Attribute::On::vertices && is_extra && !out.extra)
+            out.extra = &attribute;
         else lose(losses, attribute, fmt::format(".obj holds none of {}", text_of(attribute.on)));
     }
+    return out;
+}
 
-    write_up_to(lines.begin() +
-                (lines.empty() ? 0 : static_cast<std::ptrdiff_t>(mesh.stored->head)));
-    const double light = extra ? full_light(extra->type) : 1;
-    for (std::size_t n = 0; n < points.size(); ++n) {
-        fmt::format_to(to, "v {} {} {}", points[n].x(), points[n].y(), points[n].z());
-        if (extra)
-            for (const double part : extra->entry(n)) fmt::format_to(to, " {}", part / light);
-        text.push_back('\n');
+/// Writes an OBJ file.
+class ObjWriter {
+public:
+    /// @param lines  kept statements
+    ObjWriter(const Mesh& mesh, const ObjAttributes& attributes,
+              const std::vector<Mesh::Line>& lines)
+        : mesh_(mesh), attributes_(attributes), line_(lines.begin()), end_(lines.end()) {
+        if (!lines.empty())
+            put_lines(lines.begin() + static_cast<std::ptrdiff_t>(mesh.stored->head));
     }
-    const auto write_pool = [&](const Attribute* pool, const char* keyword) {
-        for (std::size_t n = 0; pool && n < pool->entries(); ++n)
-            fmt::format_to(to, "{} {}\n", keyword, fmt::join(pool->entry(n), " "));
-    };
-    write_pool(uvs, "vt");
-    write_pool(normals, "vn");
 
-    for (std::size_t face = 0, corner = 0; face < mesh.faces(); ++face) {
-        write_before(face);
-        text.push_back('f');
-        for (; corner < mesh.ends[face]; ++corner) {
-            const auto vertex = mesh.corners[corner];
-            const auto entry = [&](const Attribute* of) {
-                return of ? Mesh::entry_of(*of, face, corner, vertex) : Attribute::none;
-            };
-            const auto uv = entry(uvs), normal = entry(normals);
-            fmt::format_to(to, " {}", std::uint64_t{vertex} + 1);
-            if (uv != Attribute::none) fmt::format_to(to, "/{}", std::uint64_t{uv} + 1);
-            if (normal != Attribute::none)
-                fmt::format_to(to, "{}{}", uv != Attribute::none ? "/" : "//",
-                               std::uint64_t{normal} + 1);
+    void put_vertices(const std::vector<Vec3d>& points) {
+        const auto* const extra = attributes_.extra;
+        const double light = extra ? full_light(extra->type) : 1;
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            fmt::format_to(to_, "v {} {} {}", points[n].x(), points[n].y(), points[n].z());
+            if (extra)
+                for (const double part : extra->entry(n)) fmt::format_to(to_, " {}", part / light);
+            text_.push_back('\n');
         }
-        text.push_back('\n');
+        put_pool(attributes_.uvs, "vt");
+        put_pool(attributes_.normals, "vn");
     }
-    write_before(mesh.faces());
-    // An empty file would look truncated.
-    if (text.size() == 0) fmt::format_to(to, "o nothing\n");
-    return fmt::to_string(text);
+    void put_faces() {
+        for (std::size_t face = 0, corner = 0; face < mesh_.faces(); ++face) {
+            put_lines_before(face);
+            text_.push_back('f');
+            for (; corner < mesh_.ends[face]; ++corner) put_corner(face, corner);
+            text_.push_back('\n');
+        }
+        put_lines_before(mesh_.faces());
+    }
+    std::string end() {
+        // An empty file would look truncated.
+        if (text_.size() == 0) fmt::format_to(to_, "o nothing\n");
+        return fmt::to_string(text_);
+    }
+
+private:
+    using LineIterator = std::vector<Mesh::Line>::const_iterator;
+
+    void put_lines(LineIterator end) {
+        for (; line_ != end; ++line_)
+            if (!is_provenance_comment(line_->text)) fmt::format_to(to_, "{}\n", line_->text);
+    }
+    void put_lines_before(std::size_t face) {
+        put_lines(
+            std::find_if(line_, end_, [&](const Mesh::Line& each) { return each.face > face; }));
+    }
+    void put_pool(const Attribute* pool, const char* keyword) {
+        for (std::size_t n = 0; pool && n < pool->entries(); ++n)
+            fmt::format_to(to_, "{} {}\n", keyword, fmt::join(pool->entry(n), " "));
+    }
+    void put_corner(std::size_t face, std::size_t corner) {
+        const auto vertex = mesh_.corners[corner];
+        const auto entry = [&](const Attribute* of) {
+            return of ? Mesh::entry_of(*of, face, corner, vertex) : Attribute::none;
+        };
+        const auto uv = entry(attributes_.uvs), normal = entry(attributes_.normals);
+        fmt::format_to(to_, " {}", std::uint64_t{vertex} + 1);
+        if (uv != Attribute::none) fmt::format_to(to_, "/{}", std::uint64_t{uv} + 1);
+        if (normal != Attribute::none)
+            fmt::format_to(to_, "{}{}", uv != Attribute::none ? "/" : "//",
+                           std::uint64_t{normal} + 1);
+    }
+
+    const Mesh& mesh_;
+    const ObjAttributes attributes_;
+    LineIterator line_;
+    const LineIterator end_;
+    fmt::memory_buffer text_;
+    const std::back_insert_iterator<fmt::memory_buffer> to_ = std::back_inserter(text_);
+};
+
+}  // namespace
+
+Mesh read_obj(FileText& file, Losses&) { return ObjReader(file).read(); }
+
+std::string obj_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses& losses) {
+    const auto& lines = lines_for(mesh, "obj", losses);
+    ObjWriter out(mesh, obj_attributes(mesh, losses), lines);
+    out.put_vertices(points);
+    out.put_faces();
+    return out.end();
 }
 
 }  // namespace fluidcarve

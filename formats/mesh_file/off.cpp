@@ -21,15 +21,17 @@ struct Head {
     std::size_t vertices, faces;
 };
 
+/// The next word of this or a later line.
+std::string_view word_behind_comments(FileText& file) {
+    for (auto word = file.word('#');; word = file.word('#')) {
+        if (!word.empty()) return word;
+        if (!file.next()) file.fault("the file ends too early");
+    }
+}
+
 Head read_head(FileText& file) {
     if (!file.next()) file.fault_in_all("the file is empty");
-    const auto word_of_line = [&] {
-        for (auto word = file.word('#');; word = file.word('#')) {
-            if (!word.empty()) return word;
-            if (!file.next()) file.fault("the file ends too early");
-        }
-    };
-    const auto keyword = word_of_line();
+    const auto keyword = word_behind_comments(file);
     auto rest = keyword;
     const auto has = [&](std::string_view prefix) {
         if (!rest.starts_with(prefix)) return false;
@@ -46,7 +48,7 @@ Head read_head(FileText& file) {
         file.fault(fmt::format("this is no OFF file of three-dimensional points: it begins with {}",
                                quoted(keyword)));
     const auto count = [&] {
-        const auto word = glued.empty() ? word_of_line() : std::exchange(glued, {});
+        const auto word = glued.empty() ? word_behind_comments(file) : std::exchange(glued, {});
         if (word == "BINARY") file.fault("binary OFF can't be read; export it as text");
         const long number = file.whole(word);
         if (number < 0) file.fault(fmt::format("{} is no count", quoted(word)));
@@ -114,84 +116,95 @@ void put_colours(fmt::memory_buffer& text, const Attribute& attribute, std::size
                            index || light == 255 ? part : std::round(part * 255 / light));
 }
 
-}  // namespace
+/// Reads the vertices and faces behind the head of an OFF file.
+class OffReader {
+public:
+    OffReader(FileText& file, const Head& head, Mesh& out) : file_(file), head_(head), out_(out) {}
 
-void probe_off(FileText& file) { read_head(file); }
-
-Mesh read_off(FileText& file, Losses& losses) {
-    const auto head = read_head(file);
-    Mesh out;
-    auto stored = std::make_shared<Mesh::StoredForm>();
-    stored->format = "off";
-    stored->number = Type::float64;
-    out.stored = stored;
-    Numbers numbers;
-
-    Attribute normal{"normal", Attribute::On::vertices, {"nx", "ny", "nz"}, Type::float64, {}, {}};
-    Attribute uv{"uv", Attribute::On::vertices, {"s", "t"}, Type::float64, {}, {}};
-    std::optional<Attribute> colours;
-    const std::size_t others = 3 + (head.normal ? 3 : 0) + (head.uv ? 2 : 0);
-    for (std::size_t n = 0; n < head.vertices; ++n) {
-        numbers.read(file);
-        const auto size = numbers.all.size(), parts = size - std::min(size, others);
-        if (size < others || (head.colour ? parts != 3 && parts != 4 : parts != 0) ||
-            (colours && colours->parts.size() != parts))
-            file.fault(fmt::format("a vertex of this file does not have {} numbers", size));
-        out.points.emplace_back(numbers.all[0], numbers.all[1], numbers.all[2]);
-        if (head.normal) take(normal, numbers, 3, 3);
-        if (head.colour && !colours) colours = colour(Attribute::On::vertices, parts);
-        if (colours) take(*colours, numbers, size - parts - (head.uv ? 2 : 0), parts);
-        if (head.uv) take(uv, numbers, size - 2, 2);
+    void read_vertices() {
+        for (std::size_t n = 0; n < head_.vertices; ++n) take_vertex();
+        if (head_.normal) out_.attributes.push_back(std::move(normal_));
+        if (colours_) out_.attributes.push_back(std::move(*colours_));
+        if (head_.uv) out_.attributes.push_back(std::move(uv_));
     }
-    if (head.normal) out.attributes.push_back(std::move(normal));
-    if (colours) out.attributes.push_back(std::move(*colours));
-    if (head.uv) out.attributes.push_back(std::move(uv));
+    void read_faces(Losses& losses) {
+        for (std::size_t n = 0; n < head_.faces; ++n) {
+            const auto corners = take_corners();
+            const auto parts = numbers_.all.size() - 1 - corners;
+            if (n == 0 && (parts == 1 || parts == 3 || parts == 4))
+                painted_ = colour(Attribute::On::faces, parts);
+            alike_ = alike_ && parts == (painted_ ? painted_->parts.size() : 0);
+            if (painted_ && alike_) take(*painted_, numbers_, 1 + corners, parts);
+        }
+        if (!alike_)
+            losses.emplace_back(
+                "the colours of faces are left out: not all faces have as many numbers of them");
+        else if (painted_) out_.attributes.push_back(std::move(*painted_));
+    }
 
-    std::optional<Attribute> painted;
-    bool alike = true;
-    for (std::size_t n = 0; n < head.faces; ++n) {
-        numbers.read(file);
-        const double count = numbers.all[0];
-        if (!(count >= 3 && numbers.whole[0]))
-            file.fault(fmt::format("a face needs at least three corners, not {}", count));
-        if (count > static_cast<double>(numbers.all.size() - 1))
-            file.fault(fmt::format("a face of {} corners has only {} numbers behind the count",
-                                   count, numbers.all.size() - 1));
+private:
+    void take_vertex() {
+        numbers_.read(file_);
+        const auto others = std::size_t{3} + (head_.normal ? 3 : 0) + (head_.uv ? 2 : 0);
+        const auto size = numbers_.all.size(), parts = size - std::min(size, others);
+        if (size < others || (head_.colour ? parts != 3 && parts != 4 : parts != 0) ||
+            (colours_ && colours_->parts.size() != parts))
+            file_.fault(fmt::format("a vertex of this file does not have {} numbers", size));
+        out_.points.emplace_back(numbers_.all[0], numbers_.all[1], numbers_.all[2]);
+        if (head_.normal) take(normal_, numbers_, 3, 3);
+        if (head_.colour && !colours_) colours_ = colour(Attribute::On::vertices, parts);
+        if (colours_) take(*colours_, numbers_, size - parts - (head_.uv ? 2 : 0), parts);
+        if (head_.uv) take(uv_, numbers_, size - 2, 2);
+    }
+    /// Reads the line of a face.
+    /// @return its number of corners
+    std::size_t take_corners() {
+        numbers_.read(file_);
+        const double count = numbers_.all[0];
+        if (!(count >= 3 && numbers_.whole[0]))
+            file_.fault(fmt::format("a face needs at least three corners, not {}", count));
+        if (count > static_cast<double>(numbers_.all.size() - 1))
+            file_.fault(fmt::format("a face of {} corners has only {} numbers behind the count",
+                                    count, numbers_.all.size() - 1));
         const auto corners = static_cast<std::size_t>(count);
         for (std::size_t c = 1; c <= corners; ++c) {
-            const double vertex = numbers.all[c];
-            if (!(vertex >= 0 && vertex < static_cast<double>(head.vertices) && numbers.whole[c]))
-                file.fault(fmt::format("a face has a vertex {}, but there are {}, counted from 0",
-                                       vertex, head.vertices));
-            out.corners.push_back(static_cast<std::uint32_t>(vertex));
+            const double vertex = numbers_.all[c];
+            if (!(vertex >= 0 && vertex < static_cast<double>(head_.vertices) && numbers_.whole[c]))
+                file_.fault(fmt::format("a face has a vertex {}, but there are {}, counted from 0",
+                                        vertex, head_.vertices));
+            out_.corners.push_back(static_cast<std::uint32_t>(vertex));
         }
-        out.ends.push_back(out.corners.size());
-        const auto parts = numbers.all.size() - 1 - corners;
-        if (n == 0 && (parts == 1 || parts == 3 || parts == 4))
-            painted = colour(Attribute::On::faces, parts);
-        alike = alike && parts == (painted ? painted->parts.size() : 0);
-        if (painted && alike) take(*painted, numbers, 1 + corners, parts);
+        out_.ends.push_back(out_.corners.size());
+        return corners;
     }
-    if (!alike)
-        losses.emplace_back(
-            "the colours of faces are left out: not all faces have as many numbers of them");
-    else if (painted) out.attributes.push_back(std::move(*painted));
-    if (file.has_comments()) losses.emplace_back("comments are left out");
-    return out;
-}
 
-std::string off_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses& losses) {
-    std::vector<Attribute> made;  // attributes on corners, converted to vertices
-    made.reserve(mesh.attributes.size());
+    FileText& file_;
+    const Head head_;
+    Mesh& out_;
+    Numbers numbers_{};  ///< of the line
+    Attribute normal_{"normal", Attribute::On::vertices, {"nx", "ny", "nz"}, Type::float64, {}, {}};
+    Attribute uv_{"uv", Attribute::On::vertices, {"s", "t"}, Type::float64, {}, {}};
+    std::optional<Attribute> colours_, painted_;  ///< of vertices, and of faces
+    bool alike_ = true;  ///< whether all faces have as many numbers behind their corners
+};
+
+/// The attributes that an OFF file holds; null: none.
+struct OffAttributes {
     const Attribute *uv = nullptr, *normal = nullptr, *colours = nullptr, *painted = nullptr;
+};
+
+/// @param made  gets the attributes on corners, converted to vertices
+OffAttributes off_attributes(const Mesh& mesh, std::vector<Attribute>& made, Losses& losses) {
+    made.reserve(mesh.attributes.size());
+    OffAttributes out;
     for (const auto& attribute : mesh.attributes) {
         const auto parts = attribute.parts.size();
         const bool on_faces = attribute.on == Attribute::On::faces,
                    is_colour = attribute.name == "colour" && (parts == 3 || parts == 4);
-        auto& slot = on_faces                     ? painted
-                     : attribute.name == "uv"     ? uv
-                     : attribute.name == "normal" ? normal
-                                                  : colours;
+        auto& slot = on_faces                     ? out.painted
+                     : attribute.name == "uv"     ? out.uv
+                     : attribute.name == "normal" ? out.normal
+                                                  : out.colours;
         const bool fits = is_colour || (on_faces ? attribute.name == "colour_index" && parts == 1
                                                  : (attribute.name == "uv" && parts == 2) ||
                                                        (attribute.name == "normal" && parts == 3));
@@ -206,11 +219,34 @@ std::string off_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
                  fmt::format(".off holds one per vertex, and {} {} several or corners without",
                              several, several == 1 ? "vertex has" : "vertices have"));
     }
-    for (const auto* const attribute : {colours, painted})
+    for (const auto* const attribute : {out.colours, out.painted})
         if (attribute && attribute->name == "colour" && full_light(attribute->type) > 255)
             losses.push_back(
                 fmt::format("colours of {} are rounded to bytes: .off holds no finer whole ones",
                             text_of(attribute->on)));
+    return out;
+}
+
+}  // namespace
+
+void probe_off(FileText& file) { read_head(file); }
+
+Mesh read_off(FileText& file, Losses& losses) {
+    Mesh out;
+    auto stored = std::make_shared<Mesh::StoredForm>();
+    stored->format = "off";
+    stored->number = Type::float64;
+    out.stored = std::move(stored);
+    OffReader reader(file, read_head(file), out);
+    reader.read_vertices();
+    reader.read_faces(losses);
+    if (file.has_comments()) losses.emplace_back("comments are left out");
+    return out;
+}
+
+std::string off_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses& losses) {
+    std::vector<Attribute> made;
+    const auto [uv, normal, colours, painted] = off_attributes(mesh, made, losses);
     lines_for(mesh, "off", losses);
 
     fmt::memory_buffer text;

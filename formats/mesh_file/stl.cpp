@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
@@ -113,53 +114,165 @@ void read_binary(FileText& file, std::size_t count, Triangles& out, Mesh::Stored
             fmt::format("{} bytes behind the last triangle are left out", file.rest().size()));
 }
 
-void read_text(FileText& file, Triangles& out, Mesh::StoredForm& stored) {
-    out.normals.type = Attribute::Type::float64;
-    const auto expect = [&](std::string_view wanted) {
-        if (const auto word = file.any_word(); word != wanted)
-            file.fault(fmt::format("'{}' should stand here, not {}", wanted, quoted(word)));
-    };
-    const auto position = [&] {
-        Vec3d out;
-        for (int c = 0; c < 3; ++c) out[c] = file.number(file.any_word());
-        return out;
-    };
-    // Normals of triangles without an area may be nan.
-    const auto direction = [&] {
-        Vec3d out;
-        for (int c = 0; c < 3; ++c) out[c] = file.any_number(file.any_word());
-        return out;
-    };
-    bool open = false;
-    for (;;) {
-        auto word = file.word();
-        while (word.empty() && file.next()) word = file.word();
-        if (word.empty()) break;
-        if (word == "solid" && !open) {
-            open = true;
-            stored.lines.push_back({out.mesh.faces(), std::string(file.rest_of_line())});
-        } else if (word == "endsolid" && open) {
-            open = false;
-            file.rest_of_line();
-        } else if (word == "facet" && open) {
-            expect("normal");
-            const auto normal = direction();
-            expect("outer");
-            expect("loop");
-            std::array<Vec3d, 3> corners;
-            for (auto& corner : corners) {
-                expect("vertex");
-                corner = position();
-            }
-            expect("endloop");
-            expect("endfacet");
-            out.add(corners, normal);
+/// Reads the solids of a text file.
+class StlReader {
+public:
+    StlReader(FileText& file, Triangles& out, Mesh::StoredForm& stored)
+        : file_(file), out_(out), stored_(stored) {
+        out_.normals.type = Attribute::Type::float64;
+    }
+
+    void read() {
+        for (auto word = next_word(); !word.empty(); word = next_word()) take(word);
+        if (open_) file_.fault("the file ends without 'endsolid': it is cut off");
+    }
+
+private:
+    /// The next word, if need be of a later line; empty at the end of the file.
+    std::string_view next_word() {
+        auto word = file_.word();
+        while (word.empty() && file_.next()) word = file_.word();
+        return word;
+    }
+    void take(std::string_view word) {
+        if (word == "solid" && !open_) {
+            open_ = true;
+            stored_.lines.push_back({out_.mesh.faces(), std::string(file_.rest_of_line())});
+        } else if (word == "endsolid" && open_) {
+            open_ = false;
+            file_.rest_of_line();
+        } else if (word == "facet" && open_) {
+            take_facet();
         } else {
-            file.fault(fmt::format("{} should stand here, not {}",
-                                   open ? "'facet' or 'endsolid'" : "'solid'", quoted(word)));
+            file_.fault(fmt::format("{} should stand here, not {}",
+                                    open_ ? "'facet' or 'endsolid'" : "'solid'", quoted(word)));
         }
     }
-    if (open) file.fault("the file ends without 'endsolid': it is cut off");
+    void take_facet() {
+        expect("normal");
+        Vec3d normal;
+        // Normals of triangles without an area may be nan.
+        for (int c = 0; c < 3; ++c) normal[c] = file_.any_number(file_.any_word());
+        expect("outer");
+        expect("loop");
+        std::array<Vec3d, 3> corners;
+        for (auto& corner : corners) {
+            expect("vertex");
+            for (int c = 0; c < 3; ++c) corner[c] = file_.number(file_.any_word());
+        }
+        expect("endloop");
+        expect("endfacet");
+        out_.add(corners, normal);
+    }
+    void expect(std::string_view wanted) {
+        if (const auto word = file_.any_word(); word != wanted)
+            file_.fault(fmt::format("'{}' should stand here, not {}", wanted, quoted(word)));
+    }
+
+    FileText& file_;
+    Triangles& out_;
+    Mesh::StoredForm& stored_;
+    bool open_ = false;  ///< within a solid
+};
+
+/// The attributes that an STL file holds; null: none.
+struct StlAttributes {
+    const Attribute *normals = nullptr, *extra = nullptr;
+};
+
+StlAttributes stl_attributes(const Mesh& mesh, bool text, Losses& losses) {
+    StlAttributes out;
+    for (const auto& attribute : mesh.attributes) {
+        const bool on_faces = attribute.on == Attribute::On::faces;
+        if (on_faces && attribute.name == "normal" && attribute.parts.size() == 3 && !out.normals)
+            out.normals = &attribute;
+        else if (on_faces && attribute.name == "attribute" && attribute.type == extra_type &&
+                 !text && !out.extra)
+            out.extra = &attribute;
+        else lose(losses, attribute, ".stl holds nothing but triangles and their normals");
+    }
+    return out;
+}
+
+/// Tells which faces are written as triangles, and which vertices are not written.
+void tell_shapes(const Mesh& mesh, std::size_t vertices, Losses& losses) {
+    std::size_t polygons = 0;
+    std::vector<bool> used(vertices);
+    for (std::size_t n = 0; n < mesh.faces(); ++n) {
+        polygons += mesh.face(n).size() > 3;
+        for (const auto vertex : mesh.face(n)) used[vertex] = true;
+    }
+    const auto alone = std::ranges::count(used, false);
+    if (polygons > 0)
+        losses.push_back(fmt::format(
+            "{} faces of more than three corners are written as triangles: .stl has no others",
+            polygons));
+    if (alone > 0)
+        losses.push_back(
+            fmt::format("{} vertices without a face are not written: .stl has none", alone));
+}
+
+/// Writes an STL file, as text or binary.
+class StlWriter {
+public:
+    StlWriter(bool text, const std::vector<Mesh::Line>& lines)
+        : text_(text), line_(lines.begin()), end_(lines.end()) {}
+
+    /// @param comment  for a binary file
+    void put_head(const std::string& comment, const Mesh& mesh) {
+        if (text_) return;
+        out_ = comment;
+        out_.resize(head_bytes, '\0');
+        std::size_t triangles = 0;
+        for (std::size_t n = 0; n < mesh.faces(); ++n) triangles += mesh.face(n).size() - 2;
+        put(static_cast<std::uint32_t>(triangles));
+    }
+    /// Begins the solids of a text file that stand before a face.
+    void begin_solids(std::size_t face) {
+        for (; text_ && line_ != end_ && line_->face <= face; ++line_) {
+            if (open_) out_ += "endsolid\n";
+            fmt::format_to(std::back_inserter(out_), "solid{}{}\n", line_->text.empty() ? "" : " ",
+                           line_->text);
+            open_ = true;
+        }
+    }
+    void put_triangle(const std::array<Vec3d, 3>& corners, const Vec3d& normal,
+                      std::uint16_t extra) {
+        put_three("facet normal", normal);
+        if (text_) out_ += "outer loop\n";
+        for (const auto& corner : corners) put_three("vertex", corner);
+        if (text_) out_ += "endloop\nendfacet\n";
+        else put(extra);
+    }
+    std::string end() {
+        if (text_) out_ += "endsolid\n";
+        return std::move(out_);
+    }
+
+private:
+    template <class Value>
+    void put(Value value) {
+        const auto bytes = std::bit_cast<std::array<char, sizeof(value)>>(value);
+        out_.append(bytes.data(), bytes.size());
+    }
+    void put_three(const char* keyword, const Vec3d& three) {
+        if (text_)
+            fmt::format_to(std::back_inserter(out_), "{} {} {} {}\n", keyword, three[0], three[1],
+                           three[2]);
+        else
+            for (int c = 0; c < 3; ++c) put(static_cast<float>(three[c]));
+    }
+
+    const bool text_;
+    std::vector<Mesh::Line>::const_iterator line_, end_;
+    bool open_ = false;  ///< within a solid
+    std::string out_;
+};
+
+Vec3d normal_of(const std::array<Vec3d, 3>& corners) {
+    auto out = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    if (const double length = out.length(); length > 0) out /= length;
+    return out;
 }
 
 }  // namespace
@@ -171,7 +284,7 @@ Mesh read_stl(FileText& file, Losses& losses) {
     stored->format = "stl";
     Triangles out;
     if (const auto count = triangles_of(file)) read_binary(file, *count, out, *stored, losses);
-    else read_text(file, out, *stored);
+    else StlReader(file, out, *stored).read();
     out.mesh.attributes.insert(out.mesh.attributes.begin(), std::move(out.normals));
     out.mesh.stored = std::move(stored);
     return std::move(out.mesh);
@@ -180,77 +293,25 @@ Mesh read_stl(FileText& file, Losses& losses) {
 std::string stl_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses& losses) {
     const bool own = mesh.stored && mesh.stored->format == "stl",
                text = own && !mesh.stored->binary;
-    const Attribute *normals = nullptr, *extra = nullptr;
-    for (const auto& attribute : mesh.attributes) {
-        const bool on_faces = attribute.on == Attribute::On::faces;
-        if (on_faces && attribute.name == "normal" && attribute.parts.size() == 3 && !normals)
-            normals = &attribute;
-        else if (on_faces && attribute.name == "attribute" && attribute.type == extra_type &&
-                 !text && !extra)
-            extra = &attribute;
-        else lose(losses, attribute, ".stl holds nothing but triangles and their normals");
-    }
+    const auto [normals, extra] = stl_attributes(mesh, text, losses);
     const auto& lines = lines_for(mesh, "stl", losses);
-    std::size_t polygons = 0, triangles = 0, alone = 0;
-    std::vector<bool> used(points.size());
-    for (std::size_t n = 0; n < mesh.faces(); ++n) {
-        polygons += mesh.face(n).size() > 3;
-        triangles += mesh.face(n).size() - 2;
-        for (const auto vertex : mesh.face(n)) used[vertex] = true;
-    }
-    for (const bool each : used) alone += !each;
-    if (polygons > 0)
-        losses.push_back(fmt::format(
-            "{} faces of more than three corners are written as triangles: .stl has no others",
-            polygons));
-    if (alone > 0)
-        losses.push_back(
-            fmt::format("{} vertices without a face are not written: .stl has none", alone));
+    tell_shapes(mesh, points.size(), losses);
 
-    std::string out;
-    auto to = std::back_inserter(out);
-    if (!text) {
-        out = own && !lines.empty() ? lines.front().text : "fluidcarve";
-        out.resize(head_bytes, '\0');
-    }
-    const auto put = [&](const auto value) {
-        const auto bytes = std::bit_cast<std::array<char, sizeof(value)>>(value);
-        out.append(bytes.data(), bytes.size());
-    };
-    if (!text) put(static_cast<std::uint32_t>(triangles));
-    const auto put_three = [&](const char* keyword, const Vec3d& three) {
-        if (text) fmt::format_to(to, "{} {} {} {}\n", keyword, three[0], three[1], three[2]);
-        else
-            for (int c = 0; c < 3; ++c) put(static_cast<float>(three[c]));
-    };
-    auto line = lines.begin();
-    bool open = false;
+    StlWriter out(text, lines);
+    out.put_head(own && !lines.empty() ? lines.front().text : "fluidcarve", mesh);
     std::vector<std::array<std::uint32_t, 3>> parts;
-    const auto begin_solids = [&](std::size_t face) {
-        for (; text && line != lines.end() && line->face <= face; ++line) {
-            if (open) out += "endsolid\n";
-            fmt::format_to(to, "solid{}{}\n", line->text.empty() ? "" : " ", line->text);
-            open = true;
-        }
-    };
     for (std::size_t n = 0; n < mesh.faces(); ++n) {
-        begin_solids(n);
+        out.begin_solids(n);
         triangulate(points, mesh.face(n), parts);
         for (const auto& part : parts) {
-            const auto &a = points[part[0]], &b = points[part[1]], &d = points[part[2]];
-            auto normal = (b - a).cross(d - a);
-            if (const double length = normal.length(); length > 0) normal /= length;
-            if (normals) normal = Vec3d(normals->entry(n).data());
-            put_three("facet normal", normal);
-            if (text) out += "outer loop\n";
-            for (const auto* const corner : {&a, &b, &d}) put_three("vertex", *corner);
-            if (text) out += "endloop\nendfacet\n";
-            else put(static_cast<std::uint16_t>(extra ? extra->entry(n)[0] : 0));
+            const std::array corners{points[part[0]], points[part[1]], points[part[2]]};
+            out.put_triangle(corners,
+                             normals ? Vec3d(normals->entry(n).data()) : normal_of(corners),
+                             static_cast<std::uint16_t>(extra ? extra->entry(n)[0] : 0));
         }
     }
-    begin_solids(mesh.faces());
-    if (text) out += "endsolid\n";
-    return out;
+    out.begin_solids(mesh.faces());
+    return out.end();
 }
 
 }  // namespace fluidcarve

@@ -71,39 +71,12 @@ public:
 
     /// Reads a grid. An instance does not get the tree of its parent.
     openvdb::GridBase::Ptr read(const GridDescriptor& from) {
-        const bool known = is_known_tree(from.gridType());
-        if (!known && version_ != openvdb::OPENVDB_FILE_VERSION)
-            refuse(fmt::format(
-                "{}: grid '{}' is of type {}, which OpenVDB {} does not know; it can be copied "
-                "unchanged only from a file of version {}, but this one has {}: "
-                "write the file without this grid",
-                path_, shown(from), from.gridType(), openvdb::getLibraryVersionString(),
-                static_cast<unsigned>(openvdb::OPENVDB_FILE_VERSION), version_));
-        const auto grid = known ? openvdb::GridBase::createGrid(from.gridType())
-                                : std::make_shared<RawGrid>(from.gridType(), from.getBlockPos(),
-                                                            from.getEndPos());
-        VdbHeader::Entry entry;
-        describe(from, entry);
-        const auto tree_at = static_cast<std::int64_t>(stream_.tellg());
+        const auto grid = empty_grid(from);
+        const auto tree_at = tree_place(from);
         try {
             auto bytes = part(from.getGridPos(), from.getEndPos());
-            if (known && !from.isInstance()) {
-                const std::span<const char> all(bytes);
-                const auto offset = [&](std::int64_t at) {
-                    return static_cast<std::size_t>(at - from.getGridPos());
-                };
-                if (from.getBlockPos() < tree_at) throw std::runtime_error("its parts overlap");
-                const auto size =
-                    check_tree(format_of(from),
-                               all.subspan(offset(tree_at),
-                                           static_cast<std::size_t>(from.getBlockPos() - tree_at)),
-                               all.subspan(offset(from.getBlockPos())));
-                if (!grid_fits(static_cast<double>(size.bytes), budget_))
-                    refuse(
-                        fmt::format("{}: grid '{}' takes {} of memory, but --memory allows {}: "
-                                    "crop the grid, or raise --memory",
-                                    path_, shown(from), size_text(size.bytes), size_text(budget_)));
-            }
+            if (is_known_tree(from.gridType()) && !from.isInstance())
+                require_fits(from, bytes, tree_at);
             PartBuffer buffer(bytes, from.getGridPos());
             std::istream in(&buffer);
             in.exceptions(std::ios_base::failbit | std::ios_base::badbit | std::ios_base::eofbit);
@@ -129,9 +102,7 @@ public:
         constexpr std::int64_t most_counted =
             256 << 10;  // a survey looks at every frame, and must stay quick
         if (of.isInstance() || !is_known_tree(of.gridType())) return std::nullopt;
-        VdbHeader::Entry entry;
-        describe(of, entry);
-        const auto tree_at = static_cast<std::int64_t>(stream_.tellg());
+        const auto tree_at = tree_place(of);
         // Any number may stand there: the difference is taken only if it can't overflow.
         if (of.getBlockPos() < tree_at || of.getBlockPos() - tree_at > most_counted)
             return std::nullopt;
@@ -260,6 +231,40 @@ private:
         stream_.seekg(head.tellg());
     }
 
+    openvdb::GridBase::Ptr empty_grid(const GridDescriptor& of) const {
+        if (is_known_tree(of.gridType())) return openvdb::GridBase::createGrid(of.gridType());
+        if (version_ != openvdb::OPENVDB_FILE_VERSION)
+            refuse(fmt::format(
+                "{}: grid '{}' is of type {}, which OpenVDB {} does not know; it can be copied "
+                "unchanged only from a file of version {}, but this one has {}: "
+                "write the file without this grid",
+                path_, shown(of), of.gridType(), openvdb::getLibraryVersionString(),
+                static_cast<unsigned>(openvdb::OPENVDB_FILE_VERSION), version_));
+        return std::make_shared<RawGrid>(of.gridType(), of.getBlockPos(), of.getEndPos());
+    }
+
+    /// Where a grid's tree begins.
+    std::int64_t tree_place(const GridDescriptor& of) {
+        VdbHeader::Entry ignored;
+        describe(of, ignored);
+        return stream_.tellg();
+    }
+
+    /// Checks a grid's tree, and that memory has room for it.
+    /// @param all  the grid's bytes
+    void require_fits(const GridDescriptor& of, std::span<const char> all, std::int64_t tree_at) {
+        if (of.getBlockPos() < tree_at) throw std::runtime_error("its parts overlap");
+        const auto tree = static_cast<std::size_t>(tree_at - of.getGridPos()),
+                   blocks = static_cast<std::size_t>(of.getBlockPos() - of.getGridPos());
+        const auto size =
+            check_tree(format_of(of), all.subspan(tree, blocks - tree), all.subspan(blocks));
+        if (!grid_fits(static_cast<double>(size.bytes), budget_))
+            refuse(
+                fmt::format("{}: grid '{}' takes {} of memory, but --memory allows {}: "
+                            "crop the grid, or raise --memory",
+                            path_, shown(of), size_text(size.bytes), size_text(budget_)));
+    }
+
     /// Finds the places of a grid in a file that OpenVDB's io::Stream wrote: there grids follow
     /// each other, and nothing says where they end.
     /// @param grid   its data begins at the stream's position
@@ -272,9 +277,7 @@ private:
                 "grid '{}' is of type {}, which OpenVDB {} "
                 "does not know: write the file with openvdb::io::File",
                 path_, shown(grid), grid.gridType(), openvdb::getLibraryVersionString()));
-        VdbHeader::Entry entry;
-        describe(grid, entry);
-        const std::int64_t tree_at = stream_.tellg();
+        const auto tree_at = tree_place(grid);
         grid.setBlockPos(tree_at);
         grid.setEndPos(tree_at);
         if (grid.isInstance()) return;

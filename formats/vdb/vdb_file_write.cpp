@@ -46,6 +46,24 @@ std::string name(Codec codec, const Volume& volume) {
     return volume.codec.empty() ? "blosc" : volume.codec;
 }
 
+/// How the file compresses its grids. Those of unknown types stay as they were.
+std::uint32_t flags_for(const std::vector<openvdb::GridBase::ConstPtr>& grids, Codec codec,
+                        const Volume& volume, const std::string& path) {
+    auto out = flags(name(codec, volume));
+    for (const auto& grid : grids) {
+        const auto* const raw = RawGrid::of(*grid);
+        if (!raw) continue;
+        if (codec == Codec::as_read) out = raw->compression();
+        if (raw->compression() != flags_of_grid(out, *grid))
+            throw Failure(
+                fmt::format("cannot write {}: grid '{}' is of type {}, which OpenVDB does not "
+                            "know, and can't be compressed again; set "
+                            "'compression: as_read', or leave it out",
+                            path, grid->getName(), grid->type()));
+    }
+    return out;
+}
+
 }  // namespace
 
 VdbHeader write_vdb(const std::string& path, const Volume& volume, Codec codec,
@@ -55,19 +73,7 @@ VdbHeader write_vdb(const std::string& path, const Volume& volume, Codec codec,
     for (const auto& grid : volume.grids)
         for (const auto& part : split(grid)) grids.push_back(unplaced(part, placement));
     OutputFile output(path);
-    const auto codec_name = name(codec, volume);
-    auto file_flags = flags(codec_name);
-    for (const auto& grid : grids) {
-        const auto* const raw = RawGrid::of(*grid);
-        if (!raw) continue;
-        if (codec == Codec::as_read) file_flags = raw->compression();
-        if (raw->compression() != flags_of_grid(file_flags, *grid))
-            throw Failure(
-                fmt::format("cannot write {}: grid '{}' is of type {}, which OpenVDB does not "
-                            "know, and can't be compressed again; set "
-                            "'compression: as_read', or leave it out",
-                            path, grid->getName(), grid->type()));
-    }
+    const auto file_flags = flags_for(grids, codec, volume, path);
     try {
         Writer writer;
         writer.setCompression(file_flags);

@@ -37,67 +37,87 @@ void require_densities(const Volume& volume, const std::vector<std::string>& nam
     }
 }
 
+bool is_vectors(const openvdb::GridBase& grid) {
+    return grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>();
+}
+
+/// Finishes grids one after the other.
+class Finisher {
+public:
+    Finisher(const Volume& carved, const Lattice& given, const CarveMap& map, const Finish& finish)
+        : lattice_(map.extended(given)), map_(map), finish_(finish) {
+        const bool level_sets = renormalizes() && map.soft() &&
+                                std::ranges::any_of(carved.grids, [](const VolumeGrid& held) {
+                                    return is_level_set(held.header());
+                                });
+        if (finish.densities.empty() && !finish.transform_vectors && !level_sets) return;
+        mapping_.emplace(lattice_, map.reach());
+        derivative_.emplace(*mapping_, map);
+    }
+
+    /// @param source  the grid before the carve
+    /// @param held    the carved grid; becomes the finished one
+    void finish(const VolumeGrid& source, VolumeGrid& held) const {
+        if (is_level_set(held.header()) && renormalizes() && held != source) renew_distances(held);
+        if (std::ranges::count(finish_.densities, held.name()) > 0)
+            held = held.holding(mass_kept(source, held, places_of(held.header()), *derivative_));
+        if (!finish_.transform_vectors) return;
+        if (is_vectors(held.header()))
+            held = vectors_turned(held, places_of(held.header()), *derivative_);
+        if (is_point_grid(held.header())) {
+            Points points;
+            points.grid = held.grid();
+            held = held.holding(vectors_turned(points, *derivative_).grid);
+        }
+    }
+
+    /// Turns vectors in three parts.
+    void turn_triplets(const Volume& carved, Volume& out) const {
+        for (const auto& held : carved.grids) {
+            const auto triplet = triplet_of(carved, held.header());
+            if (!triplet || VolumeGrid(triplet->components[0]) != held) continue;
+            const auto whole = merged(*triplet);
+            const auto parts = split(vectors_turned(whole, places_of(*whole), *derivative_));
+            for (std::size_t c = 0; c < 3; ++c)
+                *std::ranges::find(out.grids, VolumeGrid(triplet->components[c])) = parts[c];
+        }
+    }
+
+private:
+    bool renormalizes() const { return finish_.renormalize.value_or(true); }
+    CarvedPlaces places_of(const openvdb::GridBase& grid) const {
+        return {lattice_, map_.reach(), grid.transform(), grid.transform()};
+    }
+    void renew_distances(VolumeGrid& held) const {
+        auto grid = held.grid();
+        if (derivative_ && derivative_->exact())
+            held = grid = squeezed_smooth(grid, places_of(*grid), *derivative_);
+        if (can_renormalize(*grid)) held = renormalized(grid, places_of(*grid), map_);
+        else if (finish_.renormalize)
+            throw Failure(
+                fmt::format("level set '{}' can't be renormalized: its voxels are not cubes, "
+                            "or its background is not above 0",
+                            grid->getName()));
+    }
+
+    const Lattice lattice_;
+    const CarveMap& map_;
+    const Finish& finish_;
+    std::optional<Mapping> mapping_;
+    std::optional<CarveDerivative> derivative_;
+};
+
 }  // namespace
 
 Volume finished(const Volume& source, const Volume& carved, const Lattice& given,
                 const CarveMap& map, const Finish& finish) {
     if (map.empty()) return carved;
     require_densities(carved, finish.densities);
-    const auto lattice = map.extended(given);
-    std::optional<Mapping> mapping;
-    std::optional<CarveDerivative> derivative;
-    const bool level_sets = finish.renormalize.value_or(true) && map.soft() &&
-                            std::ranges::any_of(carved.grids, [](const VolumeGrid& held) {
-                                return is_level_set(held.header());
-                            });
-    if (!finish.densities.empty() || finish.transform_vectors || level_sets) {
-        mapping.emplace(lattice, map.reach());
-        derivative.emplace(*mapping, map);
-    }
-    const auto places_of = [&](const openvdb::GridBase& grid) {
-        return CarvedPlaces(lattice, map.reach(), grid.transform(), grid.transform());
-    };
-
+    const Finisher finisher(carved, given, map, finish);
     Volume out = carved;
-    for (std::size_t n = 0; n < out.grids.size(); ++n) {
-        auto& held = out.grids[n];
-        if (is_level_set(held.header()) && finish.renormalize.value_or(true) &&
-            held != source.grids[n]) {
-            auto grid = held.grid();
-            if (derivative && derivative->exact())
-                held = grid = squeezed_smooth(grid, places_of(*grid), *derivative);
-            if (can_renormalize(*grid)) {
-                held = renormalized(grid, places_of(*grid), map);
-            } else if (finish.renormalize) {
-                throw Failure(
-                    fmt::format("level set '{}' can't be renormalized: its voxels are not cubes, "
-                                "or its background is not above 0",
-                                grid->getName()));
-            }
-        }
-        if (std::count(finish.densities.begin(), finish.densities.end(), held.name()) > 0)
-            held = held.holding(
-                mass_kept(source.grids[n], held, places_of(held.header()), *derivative));
-        if (finish.transform_vectors && (held.header().isType<openvdb::Vec3SGrid>() ||
-                                         held.header().isType<openvdb::Vec3DGrid>()))
-            held = vectors_turned(held, places_of(held.header()), *derivative);
-        if (finish.transform_vectors && is_point_grid(held.header())) {
-            Points points;
-            points.grid = held.grid();
-            held = held.holding(vectors_turned(points, *derivative).grid);
-        }
-    }
-    if (!finish.transform_vectors) return out;
-
-    for (const auto& held : carved.grids) {
-        const auto triplet = triplet_of(carved, held.header());
-        if (!triplet || VolumeGrid(triplet->components[0]) != held) continue;
-        const auto whole = merged(*triplet);
-        const auto parts = split(vectors_turned(whole, places_of(*whole), *derivative));
-        for (std::size_t c = 0; c < 3; ++c)
-            *std::find(out.grids.begin(), out.grids.end(), VolumeGrid(triplet->components[c])) =
-                parts[c];
-    }
+    for (std::size_t n = 0; n < out.grids.size(); ++n)
+        finisher.finish(source.grids[n], out.grids[n]);
+    if (finish.transform_vectors) finisher.turn_triplets(carved, out);
     return out;
 }
 

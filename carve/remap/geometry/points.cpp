@@ -169,6 +169,84 @@ void join_point(const CarveStep& step, const Vec3d& at, double share, std::vecto
     for (const double place : places) rooms.emplace_back(place - around, place + around);
 }
 
+/// Carves points one by one.
+class PointsCarve {
+public:
+    /// Some points' images, and counts of them.
+    struct Part {
+        std::vector<PointImage> images;
+        std::size_t moved = 0, deleted = 0, copied = 0;
+    };
+    /// Memory for one point after the other.
+    struct Scratch {
+        std::vector<MovedPoint> ways, next;
+        std::vector<double> places;
+        std::vector<Vec2d> rooms;
+    };
+
+    PointsCarve(const Lattice& lattice, const CarveMap& map, double jitter)
+        : map_(map),
+          mapping_(map.extended(lattice), map.reach()),
+          moves_(map.moved()),
+          jitter_(jitter),
+          joined_(std::ranges::all_of(
+              map.steps(), [](const CarveStep& step) { return step.joins() != nullptr; })) {
+        if (map.soft() && !joined_) soft_.emplace(mapping_, map_, jitter_);
+    }
+
+    void operator()(std::uint32_t source, const Vec3d& position, std::uint64_t identity, Part& out,
+                    Scratch& scratch) const {
+        const auto from = mapping_.locate(position);
+        if (!from || !reaches(moves_, *from)) return out.images.push_back({source, false, {}});
+        auto& ways = scratch.ways;
+        ways = {{*from, 0}};
+        if (soft_) (*soft_)(*from, identity, ways);
+        else
+            for (std::size_t s = 0; s < map_.steps().size(); ++s) pass_step(s, identity, scratch);
+        // The point itself comes first. A later step may take it and leave its copies.
+        out.deleted += ways.empty() || ways.front().copy != 0;
+        for (const auto& way : ways) {
+            const bool moved = way.at != *from;
+            out.images.push_back(
+                {source, moved,
+                 moved ? position + mapping_.position(way.at) - mapping_.position(*from)
+                       : Vec3d(0)});
+            if (way.copy != 0) ++out.copied;
+            else out.moved += moved;
+        }
+    }
+
+private:
+    /// Finds the ways of a point and its copies through a step.
+    void pass_step(std::size_t s, std::uint64_t identity, Scratch& scratch) const {
+        auto& [ways, next, places, rooms] = scratch;
+        const auto& step = map_.steps()[s];
+        next.clear();
+        for (const auto& way : ways) {
+            if (joined_) join_point(step, way.at, share(identity ^ s), places, rooms);
+            else carve_point(step, way.at, places, rooms);
+            for (std::size_t p = 0; p < places.size(); ++p) {
+                auto to = way.at;
+                to[step.axis()] = places[p];
+                if (p == 0) next.push_back({to, way.copy});
+                else {
+                    const auto copy = mixed(way.copy + 0x10000 * (s + 1) + p);
+                    next.push_back({jitter_(to, step, rooms[p], mixed(identity) ^ copy), copy});
+                }
+            }
+        }
+        ways.swap(next);
+    }
+
+    const CarveMap& map_;
+    const Mapping mapping_;
+    const openvdb::BBoxd moves_;
+    const Jitter jitter_;
+    /// With a warp among them, seams squeeze points as the warp does.
+    const bool joined_;
+    std::optional<SoftCarve> soft_;
+};
+
 }  // namespace
 
 void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& places,
@@ -219,66 +297,13 @@ void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& pl
 CarvedPoints carve_points(const std::vector<Vec3d>& positions,
                           const std::vector<std::uint64_t>& identities, const Lattice& lattice,
                           const CarveMap& map, double jitter) {
-    const Mapping mapping(map.extended(lattice), map.reach());
-    const auto moves = map.moved();
-    const Jitter jittered(jitter);
-    // If one of the steps is a warp, seams squeeze points as the warp does.
-    const bool joined = std::ranges::all_of(
-        map.steps(), [](const CarveStep& step) { return step.joins() != nullptr; });
-    std::optional<SoftCarve> soft;
-    if (map.soft() && !joined) soft.emplace(mapping, map, jittered);
+    const PointsCarve carve(lattice, map, jitter);
     constexpr std::size_t grain = 4096;
-    struct Part {
-        std::vector<PointImage> images;
-        std::size_t moved = 0, deleted = 0, copied = 0;
-    };
-    std::vector<Part> parts((positions.size() + grain - 1) / grain);
-
-    const auto carve = [&](std::size_t n, Part& part, std::vector<MovedPoint>& ways,
-                           std::vector<MovedPoint>& next, std::vector<double>& places,
-                           std::vector<Vec2d>& rooms) {
-        const auto source = static_cast<std::uint32_t>(n);
-        const auto from = mapping.locate(positions[n]);
-        if (!from || !reaches(moves, *from)) return part.images.push_back({source, false, {}});
-        ways = {{*from, 0}};
-        if (soft) (*soft)(*from, identities[n], ways);
-        for (std::size_t s = 0; s < map.steps().size() && !soft; ++s) {
-            const auto& step = map.steps()[s];
-            next.clear();
-            for (const auto& way : ways) {
-                if (joined) join_point(step, way.at, share(identities[n] ^ s), places, rooms);
-                else carve_point(step, way.at, places, rooms);
-                for (std::size_t p = 0; p < places.size(); ++p) {
-                    auto to = way.at;
-                    to[step.axis()] = places[p];
-                    if (p == 0) next.push_back({to, way.copy});
-                    else {
-                        const auto copy = mixed(way.copy + 0x10000 * (s + 1) + p);
-                        next.push_back(
-                            {jittered(to, step, rooms[p], mixed(identities[n]) ^ copy), copy});
-                    }
-                }
-            }
-            ways.swap(next);
-        }
-        // The point itself comes first. A later step may take it and leave its copies.
-        part.deleted += ways.empty() || ways.front().copy != 0;
-        for (const auto& way : ways) {
-            const bool moved = way.at != *from;
-            part.images.push_back(
-                {source, moved,
-                 moved ? positions[n] + mapping.position(way.at) - mapping.position(*from)
-                       : Vec3d(0)});
-            if (way.copy != 0) ++part.copied;
-            else part.moved += moved;
-        }
-    };
+    std::vector<PointsCarve::Part> parts((positions.size() + grain - 1) / grain);
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {
-        std::vector<MovedPoint> ways, next;
-        std::vector<double> places;
-        std::vector<Vec2d> rooms;
+        PointsCarve::Scratch scratch;
         for (auto n = p * grain; n < std::min(positions.size(), (p + 1) * grain); ++n)
-            carve(n, parts[p], ways, next, places, rooms);
+            carve(static_cast<std::uint32_t>(n), positions[n], identities[n], parts[p], scratch);
     });
 
     CarvedPoints out;

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 namespace fluidcarve {
 
@@ -77,75 +79,106 @@ void CarveBlock::Table::fill(const CarveStep& step) {
     });
 }
 
+namespace {
+
+/// The vertices of a step that a box meets.
+struct MetVertices {
+    std::array<int, 3> first{}, size{};  ///< along the carved, the lateral and the slice axis
+    bool any = true;
+    bool whole = true;  ///< whether the step holds the whole box
+};
+
+/// @param range  in the step's carved space
+MetVertices vertices_in(const openvdb::BBoxd& range, const CarveStep& step) {
+    const std::array<int, 3> axes{step.axis(), step.lateral_axis(), step.slice_axis()},
+        first{step.low(), step.first_lateral(), step.first_slice()},
+        last{step.high(), step.around() ? 2 * step.laterals() : step.last_lateral(),
+             step.closed() ? 2 * step.slices() : step.last_slice()};
+    MetVertices out;
+    for (std::size_t d = 0; d < 3; ++d) {
+        const double low = range.min()[axes[d]], high = range.max()[axes[d]],
+                     from = low - snap_width, to = high + snap_width, begin = first[d],
+                     end = last[d];
+        out.any = out.any && to >= begin && from <= end;
+        // Planes that a step does not hold lie beyond the lattice, or another step frees them.
+        out.whole = out.whole && (axes[d] == 2 || (low >= begin && high <= end));
+        out.first[d] = static_cast<int>(std::clamp(from, begin, end));
+        out.size[d] = static_cast<int>(std::clamp(to, begin, end)) + 2 - out.first[d];
+    }
+    // A warp ends elsewhere in each column.
+    out.whole = out.whole && (!step.warps() || (range.min()[axes[0]] >= step.common().begin &&
+                                                range.max()[axes[0]] <= step.common().end));
+    return out;
+}
+
+bool fades_in(const openvdb::BBoxd& range, const CarveStep& step) {
+    if (!step.fades()) return false;
+    const int lateral = step.lateral_axis(), slice = step.slice_axis();
+    // The scale is concave: its minimum is at a corner.
+    for (int corner = 0; corner < 4; ++corner) {
+        openvdb::Vec3d at(0.0);
+        at[slice] = corner & 1 ? range.min()[slice] : range.max()[slice];
+        at[lateral] = corner & 2 ? range.min()[lateral] : range.max()[lateral];
+        if (step.scale(at) < 1) return true;
+    }
+    return false;
+}
+
+/// Bounds of displacements, widened to those of the sides that a join shows.
+std::pair<double, double> with_sides(double low, double high, const MetVertices& met,
+                                     const CarveStep& step) {
+    if (!step.joins()) return {low, high};
+    const auto sides = step.joins()->range(met.first, met.size);
+    return {std::min(low, sides[0]), std::max(high, sides[1])};
+}
+
+/// Bounds of the displacements to the entries that values between them are read from.
+/// @param low, high  bounds of the displacements
+/// @param all        whether all points are displaced, by all of it
+std::pair<double, double> read_bounds(double low, double high, bool all) {
+    // Values are blended from the entries beside a point, and an inserted entry is read at both
+    // neighbours.
+    low = std::floor(low) - 1;
+    high = std::ceil(high) + 1;
+    if (all) return {low, high};
+    // Points that the step does not hold stay, and fading points are read nearer to where they go.
+    return {std::min(0.0, low), std::max(0.0, high)};
+}
+
+}  // namespace
+
 bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
     auto range = carved;
     least_ = most_ = openvdb::Vec3d(0);
-    frees_ = false;
-    fades_ = false;
+    frees_ = fades_ = false;
     rigid_ = openvdb::Vec3d(0);
     bool moved = false;
     for (auto n = tables_.size(); n-- > 0;) {
         const auto& step = map_.steps()[n];
-        auto& table = tables_[n];
-        const std::array<int, 3> axes{step.axis(), step.lateral_axis(), step.slice_axis()};
-        const std::array<int, 3> first{step.low(), step.first_lateral(), step.first_slice()},
-            last{step.high(), step.around() ? 2 * step.laterals() : step.last_lateral(),
-                 step.closed() ? 2 * step.slices() : step.last_slice()};
-        // A box across the closing of the ring may hold any entry.
-        if (step.turns() && range.max()[axes[0]] > step.high()) {
-            range.min()[axes[0]] = step.low();
-            range.max()[axes[0]] = step.high() + 1;
-        }
-        bool meets = true, within = true;
-        for (std::size_t d = 0; d < 3; ++d) {
-            const double from = range.min()[axes[d]] - snap_width,
-                         to = range.max()[axes[d]] + snap_width, begin = first[d], end = last[d];
-            meets = meets && to >= begin && from <= end;
-            // Planes that a step does not hold lie beyond the lattice, or another step frees them.
-            within = within && (axes[d] == 2 ||
-                                (range.min()[axes[d]] >= begin && range.max()[axes[d]] <= end));
-            table.first[d] = static_cast<int>(std::clamp(from, begin, end));
-            table.size[d] = static_cast<int>(std::clamp(to, begin, end)) + 2 - table.first[d];
-        }
-        if (!meets) continue;
-        table.fill(step);
         const int axis = step.axis();
+        // A box that goes round where entries end and begin may hold any of them.
+        if (step.turns() && range.max()[axis] > step.high()) {
+            range.min()[axis] = step.low();
+            range.max()[axis] = step.high() + 1;
+        }
+        const auto met = vertices_in(range, step);
+        auto& table = tables_[n];
+        table.first = met.first;
+        table.size = met.size;
+        if (!met.any) continue;
+        table.fill(step);
         const bool frees = step.may_free(range.min()[axis], range.max()[axis]);
-        // A warp's ends differ from column to column.
-        within = within && (!step.warps() || (range.min()[axis] >= step.common().begin &&
-                                              range.max()[axis] <= step.common().end));
         if (table.low == 0 && table.high == 0 && !frees) continue;
         moved = true;
         frees_ = frees_ || frees;
-        // The scale is concave: its minimum is at a corner.
-        bool fades = false;
-        for (int corner = 0; step.fades() && corner < 4; ++corner) {
-            openvdb::Vec3d at(0.0);
-            at[axes[2]] = corner & 1 ? range.min()[axes[2]] : range.max()[axes[2]];
-            at[axes[1]] = corner & 2 ? range.min()[axes[1]] : range.max()[axes[1]];
-            fades = fades || step.scale(at) < 1;
-        }
+        const bool fades = fades_in(range, step);
         fades_ = fades_ || fades;
-        double low = 0.5 * table.low, high = 0.5 * table.high;
-        if (const auto* const joins = step.joins()) {
-            const auto sides = joins->range(table.first, table.size);
-            low = std::min(low, sides[0]);
-            high = std::max(high, sides[1]);
-        }
-        if (low == high && std::floor(low) == low && within && !frees && !fades) {
+        auto [low, high] = with_sides(0.5 * table.low, 0.5 * table.high, met, step);
+        if (low == high && std::floor(low) == low && met.whole && !frees && !fades) {
             if (rigid_) (*rigid_)[axis] += low;
         } else {
             rigid_.reset();
-            // Values are blended from the entries beside a point, and an inserted entry is read at
-            // both neighbours.
-            low = std::floor(low) - 1;
-            high = std::ceil(high) + 1;
-            // Points outside the step stay, and fading points are read nearer to their
-            // destination.
-            if (!within || fades) {
-                low = std::min(0.0, low);
-                high = std::max(0.0, high);
-            }
+            std::tie(low, high) = read_bounds(low, high, met.whole && !fades);
         }
         range.min()[axis] += low;
         range.max()[axis] += high;

@@ -10,6 +10,45 @@ double JoinedSides::displacement(std::size_t n, const openvdb::Vec3d& at) const 
     return StepColumns(step, at).displacement(static_cast<int>(std::floor(at[step.axis()])));
 }
 
+namespace {
+
+/// Moves a point by what a step squeezes or stretches there.
+/// @param by  displacement of a point
+template <class Displacement>
+void stretch(const CarveStep& step, const Displacement& by, openvdb::Vec3d& at) {
+    if (!step.holds(at)) return;
+    const double scale = step.scale(at);
+    if (step.carves(at, scale)) at[step.axis()] = step.held(at[step.axis()] + scale * by(at));
+}
+
+/// Adds the sides that a side shows through a step.
+/// @param of_step  memory
+template <class Displacement>
+void pass_step(const CarveStep& step, const Displacement& by, const JoinedSides::Side& side,
+               std::vector<Joins::Side>& of_step, std::vector<JoinedSides::Side>& to) {
+    const int axis = step.axis();
+    const double scale = step.holds(side.at) ? step.scale(side.at) : 0;
+    const auto add = [&](double moved, double weight) {
+        auto next = side;
+        next.at[axis] = step.held(side.at[axis] + scale * moved);
+        next.weight *= weight;
+        to.push_back(next);
+    };
+    if (side.nothing || !step.holds(side.at) ||
+        (!step.carves(side.at, scale) && !step.frees(side.at))) {
+        to.push_back(side);
+    } else if (!step.carves(side.at, scale)) {
+        to.push_back({side.at, side.weight, true});
+    } else if (!step.joins()) {
+        add(by(side.at), 1);
+    } else {
+        step.joins()->sides(side.at, of_step);
+        for (const auto& each : of_step) add(each.by, each.weight);
+    }
+}
+
+}  // namespace
+
 void JoinedSides::find(const openvdb::Vec3d& at) {
     sides_.assign(1, {at, 1, false});
     stretched_ = at;
@@ -34,35 +73,10 @@ void JoinedSides::find(const openvdb::Vec3d& at) {
     }
     for (auto n = map_.steps().size(); n-- > 0;) {
         const auto& step = map_.steps()[n];
-        const int axis = step.axis();
-        if (step.holds(stretched_)) {
-            const double scale = step.scale(stretched_);
-            if (step.carves(stretched_, scale)) {
-                stretched_[axis] =
-                    step.held(stretched_[axis] + scale * displacement(n, stretched_));
-            }
-        }
+        const auto by = [&](const openvdb::Vec3d& of) { return displacement(n, of); };
+        stretch(step, by, stretched_);
         next_.clear();
-        for (const auto& side : sides_) {
-            const double scale = step.holds(side.at) ? step.scale(side.at) : 0;
-            const auto add = [&](double by, double weight) {
-                auto to = side;
-                to.at[axis] = step.held(side.at[axis] + scale * by);
-                to.weight *= weight;
-                next_.push_back(to);
-            };
-            if (side.nothing || !step.holds(side.at) ||
-                (!step.carves(side.at, scale) && !step.frees(side.at))) {
-                next_.push_back(side);
-            } else if (!step.carves(side.at, scale)) {
-                next_.push_back({side.at, side.weight, true});
-            } else if (!step.joins()) {
-                add(displacement(n, side.at), 1);
-            } else {
-                step.joins()->sides(side.at, of_step_);
-                for (const auto& each : of_step_) add(each.by, each.weight);
-            }
-        }
+        for (const auto& side : sides_) pass_step(step, by, side, of_step_, next_);
         sides_.swap(next_);
     }
 }

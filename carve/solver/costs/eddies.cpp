@@ -41,27 +41,25 @@ double half_of(const Lags& lags) {
     return static_cast<double>(lag - 1) + part;
 }
 
-}  // namespace
+/// Calls `visit(value)` for the field's values in a column.
+template <class Visit>
+void each_value(const EnergyVolume& volume, std::size_t c, const Visit& visit) {
+    const auto& field = volume.field(c);
+    for (int entry = field.first; entry < field.end; ++entry) visit(field.value(entry));
+}
 
-Eddies Eddies::of(const EnergyVolume& volume) {
-    const auto each = [&](std::size_t c, const auto& visit) {
-        const auto& field = volume.field(c);
-        for (int entry = field.first; entry < field.end; ++entry) visit(entry, field.value(entry));
-    };
-    const auto most = summed_over<Greatest>(volume, [&](Greatest& out, std::size_t c) {
-        each(c, [&](int, float value) { out += Greatest{std::abs(value)}; });
-    });
-    const float content = Typical::content_share * most.value;
+/// @param content  what is above shows
+Lags lags_of(const EnergyVolume& volume, float content) {
     const auto mean = summed_over<Sum>(volume, [&](Sum& out, std::size_t c) {
-                          each(c, [&](int, float value) {
+                          each_value(volume, c, [&](float value) {
                               if (std::abs(value) > content) out += Sum{value, 1};
                           });
                       }).mean();
     const auto every = volume.columns_per_frame() * volume.frames() / most_columns + 1;
-    const auto lags = summed_over<Lags>(volume, [&](Lags& out, std::size_t c) {
+    return summed_over<Lags>(volume, [&](Lags& out, std::size_t c) {
         if (c % every != 0) return;
         std::vector<float> values;
-        each(c, [&](int, float value) {
+        each_value(volume, c, [&](float value) {
             values.push_back(std::abs(value) > content ? value - static_cast<float>(mean)
                                                        : std::numeric_limits<float>::quiet_NaN());
         });
@@ -72,23 +70,38 @@ Eddies Eddies::of(const EnergyVolume& volume) {
                 if (const float product = values[n] * values[n + lag]; !std::isnan(product))
                     out.of[lag] += Sum{product, 1};
     });
-    struct Climbs {
-        double all = 0, highest = 0;
-        Climbs& operator+=(const Climbs& other) {
-            all += other.all;
-            highest += other.highest;
-            return *this;
-        }
-    };
-    const auto climbs = summed_over<Climbs>(volume, [&](Climbs& out, std::size_t c) {
+}
+
+/// By how much columns climb and fall, and their highest values, summed.
+struct Climbs {
+    double all = 0, highest = 0;
+    Climbs& operator+=(const Climbs& other) {
+        all += other.all;
+        highest += other.highest;
+        return *this;
+    }
+};
+
+Climbs climbs_of(const EnergyVolume& volume) {
+    return summed_over<Climbs>(volume, [&](Climbs& out, std::size_t c) {
         float highest = 0, before = 0, all = 0;
-        each(c, [&](int, float value) {
+        each_value(volume, c, [&](float value) {
             all += std::abs(value - before);
             highest = std::max(highest, std::abs(value));
             before = value;
         });
         out += {all + std::abs(before), highest};
     });
+}
+
+}  // namespace
+
+Eddies Eddies::of(const EnergyVolume& volume) {
+    const auto most = summed_over<Greatest>(volume, [&](Greatest& out, std::size_t c) {
+        each_value(volume, c, [&](float value) { out += Greatest{std::abs(value)}; });
+    });
+    const auto lags = lags_of(volume, Typical::content_share * most.value);
+    const auto climbs = climbs_of(volume);
     Eddies out;
     out.width = std::max(1, static_cast<int>(std::lround(widths_of_half * half_of(lags))));
     if (climbs.highest > 0) out.across = climbs.all / (2 * climbs.highest);

@@ -27,6 +27,98 @@ std::int64_t steps_between_searches(std::size_t nodes) {
     return static_cast<std::int64_t>(steps_per_search * static_cast<double>(nodes)) + 64;
 }
 
+/// Lets as much flow up a column as it takes by itself.
+/// @param costs  of its entries
+/// @return the flow that reaches the column's end
+inline std::int64_t fill_column(Residual& graph, const Residual::Column& column,
+                                const std::vector<std::int32_t>& costs) {
+    std::int64_t flow = costs[0];
+    for (std::size_t n = 0; n + 1 < costs.size(); ++n) {
+        const auto cost = costs[n + 1];
+        const auto passed = std::min<std::int64_t>(flow, cost);
+        const auto node = column.begin + n;
+        graph.arcs[node].excess = flow - passed;
+        graph.arcs[node].up =
+            cost == Cut::endless ? Cut::endless : static_cast<std::int32_t>(cost - passed);
+        graph.tags[node].set_excess(graph.arcs[node].excess > 0);
+        graph.tags[node].set_up(graph.arcs[node].up > 0);
+        flow = passed;
+    }
+    return flow;
+}
+
+/// Regions that cover all columns, side by side, so that each one touches those before and behind.
+class Regions {
+public:
+    Regions(Residual& graph, const std::vector<Residual::Box>& boxes) {
+        for (const auto& box : boxes) all_.emplace_back(graph, box, false);
+    }
+
+    /// Finds the distances of all nodes.
+    void search() {
+        each([&](std::size_t n) { all_[n].begin_search(); });
+        std::atomic<bool> more = true;
+        for (Residual::Label distance = 2; more; ++distance) {
+            more = false;
+            each([&](std::size_t n) {
+                if (all_[n].go_on(distance)) more = true;
+            });
+            each([&](std::size_t n) {
+                if (all_.size() == 1) return;
+                if (before(n).empty() && behind(n).empty()) return;
+                more = true;
+                all_[n].take_reached(before(n), distance);
+                all_[n].take_reached(behind(n), distance);
+            });
+        }
+    }
+    /// Pushes until nothing is left to push or about `most` nodes were visited.
+    template <class Tick>
+    void push(std::int64_t most, const Tick& tick) {
+        std::vector<std::int64_t> steps(all_.size(), 0);
+        bool idle = false;
+        while (!idle && std::accumulate(steps.begin(), steps.end(), std::int64_t{0}) < most) {
+            tick();
+            // Regions that touch each other push in turn.
+            for (std::size_t parity = 0; parity < 2; ++parity)
+                tbb::parallel_for(parity, all_.size(), std::size_t{2}, [&](std::size_t n) {
+                    if (all_.size() > 1) {
+                        all_[n].take_given(before(n));
+                        all_[n].take_given(behind(n));
+                    }
+                    steps[n] += all_[n].push(steps_between_searches(all_[n].size()) / 8);
+                });
+            idle = std::ranges::all_of(all_, &CutRegion::idle);
+        }
+    }
+
+    bool overflowed() const { return std::ranges::any_of(all_, &CutRegion::overflowed); }
+    /// Excess that could still reach the sink when the last search ended.
+    std::int64_t left() const { return sum(&CutRegion::left); }
+    /// Flow that reached the sink.
+    std::int64_t sunk() const { return sum(&CutRegion::sunk); }
+
+private:
+    template <class Call>
+    void each(const Call& call) {
+        tbb::parallel_for(std::size_t{0}, all_.size(), call);
+    }
+    // What the regions beside a region reached in it, or gave to it.
+    std::vector<Residual::Spot>& before(std::size_t n) {
+        return all_[(n + all_.size() - 1) % all_.size()].sent()[1];
+    }
+    std::vector<Residual::Spot>& behind(std::size_t n) {
+        return all_[(n + 1) % all_.size()].sent()[0];
+    }
+    std::int64_t sum(std::int64_t (CutRegion::*of)() const) const {
+        std::int64_t out = 0;
+        for (const auto& region : all_) out += (region.*of)();
+        return out;
+    }
+
+    std::vector<CutRegion> all_;
+};
+
 }  // namespace
 
 Cut::Cut(const Columns& columns, const Band& band, const CostOf& cost_of, const LiftsOf& lifts_of,
@@ -107,19 +199,7 @@ void Cut::fill(const Band& band, const CostOf& cost_of, const LiftsOf& lifts_of)
                 cost_of(c, band.columns[c], costs.data());
                 if (reversed_) std::reverse(costs.begin(), costs.end());
                 if (lifts_of) add_lifts(c, lifts_of, costs, scratch);
-                std::int64_t flow = costs[0];
-                for (std::size_t n = 0; n + 1 < costs.size(); ++n) {
-                    const auto cost = costs[n + 1];
-                    const auto passed = std::min<std::int64_t>(flow, cost);
-                    const auto node = column.begin + n;
-                    graph_.arcs[node].excess = flow - passed;
-                    graph_.arcs[node].up =
-                        cost == endless ? endless : static_cast<std::int32_t>(cost - passed);
-                    graph_.tags[node].set_excess(graph_.arcs[node].excess > 0);
-                    graph_.tags[node].set_up(graph_.arcs[node].up > 0);
-                    flow = passed;
-                }
-                sum += flow;
+                sum += fill_column(graph_, column, costs);
             }
             return sum;
         },
@@ -200,16 +280,7 @@ bool Cut::solve_tiles(bool shifted, double tolerance) {
 }
 
 bool Cut::solve_whole(double tolerance, const std::function<void()>& tick) {
-    std::vector<CutRegion> regions;
-    for (const auto& box : layers()) regions.emplace_back(graph_, box, false);
-    const auto count = regions.size();
-    const auto each = [&](const auto& call) { tbb::parallel_for(std::size_t{0}, count, call); };
-    const auto before = [&](std::size_t n) -> std::vector<Residual::Spot>& {
-        return regions[(n + count - 1) % count].sent()[1];
-    };
-    const auto behind = [&](std::size_t n) -> std::vector<Residual::Spot>& {
-        return regions[(n + 1) % count].sent()[0];
-    };
+    Regions regions(graph_, layers());
     // In a group of tasks of which another one has failed, loops do nothing: the search would never
     // end.
     const auto go_on = [&] {
@@ -218,45 +289,13 @@ bool Cut::solve_whole(double tolerance, const std::function<void()>& tick) {
     };
     while (true) {
         go_on();
-        each([&](std::size_t n) { regions[n].begin_search(); });
-        std::atomic<bool> more = true;
-        for (Residual::Label distance = 2; more; ++distance) {
-            more = false;
-            each([&](std::size_t n) {
-                if (regions[n].go_on(distance)) more = true;
-            });
-            each([&](std::size_t n) {
-                if (count == 1) return;
-                if (before(n).empty() && behind(n).empty()) return;
-                more = true;
-                regions[n].take_reached(before(n), distance);
-                regions[n].take_reached(behind(n), distance);
-            });
-        }
-        left_ = 0;
-        for (const auto& region : regions) left_ += region.left();
+        regions.search();
+        left_ = regions.left();
         if (static_cast<double>(left_) <= tolerance * static_cast<double>(flow_)) break;
-        const auto most = steps_between_searches(graph_.tags.size());
-        std::vector<std::int64_t> steps(count, 0);
-        bool idle = false;
-        while (!idle && std::accumulate(steps.begin(), steps.end(), std::int64_t{0}) < most) {
-            go_on();
-            for (std::size_t parity = 0; parity < 2; ++parity)
-                tbb::parallel_for(parity, count, std::size_t{2}, [&](std::size_t n) {
-                    if (count > 1) {
-                        regions[n].take_given(before(n));
-                        regions[n].take_given(behind(n));
-                    }
-                    steps[n] += regions[n].push(steps_between_searches(regions[n].size()) / 8);
-                });
-            idle =
-                std::ranges::all_of(regions, [](const CutRegion& region) { return region.idle(); });
-        }
-        if (std::ranges::any_of(regions,
-                                [](const CutRegion& region) { return region.overflowed(); }))
-            return false;
+        regions.push(steps_between_searches(graph_.tags.size()), go_on);
+        if (regions.overflowed()) return false;
     }
-    for (const auto& region : regions) flow_ += region.sunk();
+    flow_ += regions.sunk();
     return true;
 }
 

@@ -39,20 +39,16 @@ float highest_lift(const Columns& columns, const Band& band, const StepCosts& st
         [](float a, float b) { return std::max(a, b); });
 }
 
-/// Cuts a band with costs from any source.
-/// @param cost_at   called with (column, entry)
-/// @param protects  whether some cost is infinite
+/// The lowest cost of entries of a band, at most 0, and the highest that is finite.
+struct CostSpan {
+    float low = 0, high = 0;
+};
+
 template <class CostAt>
-CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at,
-              const StepCosts& steps, bool protects, double tolerance, int number,
-              const std::function<void()>& tick) {
-    const auto band = protects ? tightened(columns, whole, cost_at) : whole;
-    struct Span {
-        float low = 0, high = 0;
-    };
-    const auto span = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, columns.count(), 4096), Span{},
-        [&](const tbb::blocked_range<std::size_t>& range, Span out) {
+CostSpan cost_span(const Band& band, const CostAt& cost_at) {
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, band.columns.size(), 4096), CostSpan{},
+        [&](const tbb::blocked_range<std::size_t>& range, CostSpan out) {
             for (auto c = range.begin(); c < range.end(); ++c)
                 for (int entry = band.columns[c].first; entry <= band.columns[c].last; ++entry) {
                     const auto cost = cost_at(c, entry);
@@ -61,17 +57,40 @@ CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at,
                 }
             return out;
         },
-        [](const Span& a, const Span& b) {
-            return Span{std::min(a.low, b.low), std::max(a.high, b.high)};
+        [](const CostSpan& a, const CostSpan& b) {
+            return CostSpan{std::min(a.low, b.low), std::max(a.high, b.high)};
         });
+}
+
+template <class CostAt>
+std::vector<float> lowest_costs(const Band& band, const CostAt& cost_at) {
+    std::vector<float> out(band.columns.size());
+    for (std::size_t c = 0; c < out.size(); ++c) {
+        out[c] = cost_at(c, band.columns[c].first);
+        for (int entry = band.columns[c].first; entry <= band.columns[c].last; ++entry)
+            out[c] = std::min(out[c], cost_at(c, entry));
+    }
+    return out;
+}
+
+/// How a seam is searched by cuts.
+struct Search {
+    bool protects;  ///< whether some cost is infinite
+    double tolerance;
+    int number;
+    const std::function<void()>& tick;
+};
+
+/// Cuts a band with costs from any source.
+/// @param cost_at  called with (column, entry)
+template <class CostAt>
+CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at,
+              const StepCosts& steps, const Search& search) {
+    const auto band = search.protects ? tightened(columns, whole, cost_at) : whole;
+    const auto span = cost_span(band, cost_at);
     // If some costs are below 0, each column's costs count from its lowest, so that `tolerance` is
     // a share of the costs in which seams differ.
-    std::vector<float> lows(span.low < 0 ? columns.count() : 0);
-    for (std::size_t c = 0; c < lows.size(); ++c) {
-        lows[c] = cost_at(c, band.columns[c].first);
-        for (int entry = band.columns[c].first; entry <= band.columns[c].last; ++entry)
-            lows[c] = std::min(lows[c], cost_at(c, entry));
-    }
+    const auto lows = span.low < 0 ? lowest_costs(band, cost_at) : std::vector<float>();
     const auto sum_of_lows = std::accumulate(lows.begin(), lows.end(), 0.0);
     // The scale is a power of two, so that costs that fit into the bits are not rounded. High step
     // costs must not push energies out of the bits. Besides, a column's ends may also pay for steps
@@ -97,20 +116,97 @@ CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at,
                 lift = static_cast<std::int32_t>(
                     scale * std::min(steps.lift(high, low, first++, in_time), most_lift));
         };
-        Cut cut(columns, band, cost_of, steps ? Cut::LiftsOf(lifts_of) : nullptr, number % 2 != 0);
+        Cut cut(columns, band, cost_of, steps ? Cut::LiftsOf(lifts_of) : nullptr,
+                search.number % 2 != 0);
         // If more flow gathers than an arc holds, the cut is repeated with a smaller scale.
-        if (cut.solve(tolerance, tick))
+        if (cut.solve(search.tolerance, search.tick))
             return {cut.seam(), static_cast<double>(cut.flow()) / scale + sum_of_lows};
     }
 }
+
+/// Finds a seam from keyframe to keyframe.
+class KeyframedSeam {
+public:
+    KeyframedSeam(const EnergyVolume& energy, Window window, double threshold, const Search& search)
+        : energy_(energy), all_(energy), window_(window), threshold_(threshold), search_(search) {}
+
+    /// Adds some frames.
+    void go_on(std::size_t frames) {
+        const auto part =
+            with_costs(energy_, [&](const auto& cost_at) { return next_frames(frames, cost_at); });
+        at_.insert(at_.end(), part.begin(), part.end());
+    }
+    std::vector<std::uint16_t> at() && { return std::move(at_); }
+
+private:
+    /// The columns of so many frames.
+    Columns columns(std::size_t frames) const {
+        return {static_cast<int>(all_.laterals()), static_cast<int>(all_.slices()),
+                static_cast<int>(frames), all_.ring(1), all_.ring(0)};
+    }
+    /// The band of all columns that are left. The seam may drift from the last finished frame by
+    /// one entry per frame.
+    Band band_left(const Columns& rest) const {
+        auto out = Band::whole(rest.count(), window_);
+        const auto per_frame = all_.per_frame();
+        for (std::size_t c = 0; !at_.empty() && c < rest.count(); ++c) {
+            const int home = at_[at_.size() - per_frame + c % per_frame],
+                      reach = static_cast<int>(c / per_frame) + 1;
+            out.columns[c] = {static_cast<std::uint16_t>(std::max(home - reach, window_.first)),
+                              static_cast<std::uint16_t>(std::min(home + reach, window_.last))};
+        }
+        return out;
+    }
+    template <class CostAt>
+    std::vector<std::uint16_t> next_frames(std::size_t frames, const CostAt& cost_at) const {
+        const auto first = at_.size();
+        const auto rest = columns(all_.frames() - first / all_.per_frame()), now = columns(frames);
+        const auto steps = energy_.steps().from(first);
+        // Cost of the step from the frame before, where the seam is known.
+        const auto step_there = [&](std::size_t c, int entry) {
+            if (first == 0 || c >= all_.per_frame()) return 0.0f;
+            const auto before = first + c - all_.per_frame();
+            return energy_.steps()(first + c, entry, before, at_[before], true);
+        };
+        const auto later = [&](std::size_t c, int entry) {
+            return cost_at(first + c, entry) + step_there(c, entry);
+        };
+        const auto above_threshold = [&](std::size_t c, int entry) {
+            const auto cost = cost_at(first + c, entry);
+            return (cost > 0 && cost < threshold_ ? 0.0f : cost) + step_there(c, entry);
+        };
+        auto band = band_left(rest);
+        if (energy_.protects()) band = tightened(rest, band, later);
+        const auto count = static_cast<std::ptrdiff_t>(now.count());
+        auto cut = solve(now, {{band.columns.begin(), band.columns.begin() + count}},
+                         above_threshold, steps, search_)
+                       .at;
+        if (!energy_.protects()) return cut;
+        // Later frames may find no way on from here: extend the seam to them and move it aside as a
+        // whole.
+        for (auto c = cut.size(); c < rest.count(); ++c)
+            cut.push_back(
+                std::clamp(cut[c - all_.per_frame()], band.columns[c].first, band.columns[c].last));
+        cut = moved_aside(rest, cut, band, later, steps);
+        cut.resize(now.count());
+        return cut;
+    }
+
+    const EnergyVolume& energy_;
+    const Columns all_;
+    const Window window_;
+    const double threshold_;
+    const Search& search_;
+    std::vector<std::uint16_t> at_;
+};
 
 }  // namespace
 
 CutSeam cut_seam(const EnergyVolume& energy, const Band& band, double tolerance, int number,
                  const std::function<void()>& tick) {
     return with_costs(energy, [&](const auto& cost_at) {
-        return solve(Columns(energy), band, cost_at, energy.steps(), energy.protects(), tolerance,
-                     number, tick);
+        return solve(Columns(energy), band, cost_at, energy.steps(),
+                     {energy.protects(), tolerance, number, tick});
     });
 }
 
@@ -124,58 +220,12 @@ Seams::Seam exact_seam(const EnergyVolume& energy, Window window, int number,
 
 Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number, int interval,
                            double threshold, const std::function<void()>& tick) {
-    const Columns all(energy);
-    std::vector<std::uint16_t> at;
-    for (std::size_t begin = 0; begin < all.frames(); begin += static_cast<std::size_t>(interval)) {
-        const auto frames = std::min(static_cast<std::size_t>(interval), all.frames() - begin);
-        // The band of all columns that are left. The seam may drift from the last finished frame by
-        // one entry per frame.
-        const Columns rest(static_cast<int>(all.laterals()), static_cast<int>(all.slices()),
-                           static_cast<int>(all.frames() - begin), all.ring(1), all.ring(0));
-        auto band = Band::whole(rest.count(), window);
-        for (std::size_t c = 0; begin > 0 && c < rest.count(); ++c) {
-            const int home = at[begin * all.per_frame() - all.per_frame() + c % all.per_frame()],
-                      reach = static_cast<int>(c / all.per_frame()) + 1;
-            band.columns[c] = {static_cast<std::uint16_t>(std::max(home - reach, window.first)),
-                               static_cast<std::uint16_t>(std::min(home + reach, window.last))};
-        }
-        auto part = with_costs(energy, [&](const auto& cost_at) {
-            const auto steps = energy.steps().from(begin * all.per_frame());
-            // Cost of the step from the frame before, where the seam is known.
-            const auto step_there = [&](std::size_t c, int entry) {
-                if (begin == 0 || c >= all.per_frame()) return 0.0f;
-                const auto here = begin * all.per_frame() + c, before = here - all.per_frame();
-                return energy.steps()(here, entry, before, at[before], true);
-            };
-            const auto later = [&](std::size_t c, int entry) {
-                return cost_at(begin * all.per_frame() + c, entry) + step_there(c, entry);
-            };
-            const auto above_threshold = [&](std::size_t c, int entry) {
-                const auto cost = cost_at(begin * all.per_frame() + c, entry);
-                return (cost > 0 && cost < threshold ? 0.0f : cost) + step_there(c, entry);
-            };
-            if (energy.protects()) band = tightened(rest, band, later);
-            const Columns columns(static_cast<int>(all.laterals()), static_cast<int>(all.slices()),
-                                  static_cast<int>(frames), all.ring(1), all.ring(0));
-            auto cut =
-                solve(columns,
-                      {{band.columns.begin(),
-                        band.columns.begin() + static_cast<std::ptrdiff_t>(columns.count())}},
-                      above_threshold, steps, energy.protects(), 0, number, tick)
-                    .at;
-            if (!energy.protects()) return cut;
-            // Later frames may be blocked from here: extend the seam to them and move it aside as
-            // a whole.
-            for (auto c = cut.size(); c < rest.count(); ++c) {
-                const auto [first, last] = band.columns[c];
-                cut.push_back(std::clamp(cut[c - all.per_frame()], first, last));
-            }
-            cut = moved_aside(rest, cut, band, later, steps);
-            cut.resize(columns.count());
-            return cut;
-        });
-        at.insert(at.end(), part.begin(), part.end());
-    }
+    const Search search{energy.protects(), 0, number, tick};
+    KeyframedSeam seam(energy, window, threshold, search);
+    const auto most = static_cast<std::size_t>(interval);
+    for (std::size_t begin = 0; begin < energy.frames(); begin += most)
+        seam.go_on(std::min(most, energy.frames() - begin));
+    auto at = std::move(seam).at();
     const auto sum = energy_of(energy, at);
     return {std::move(at), sum};
 }
@@ -188,9 +238,9 @@ CutSeam cut_seam(const Strip& strip, std::span<const std::uint16_t> seam, int ra
         band.columns.push_back(
             {static_cast<std::uint16_t>(std::max<int>(seam[c] - radius, strip[c].first)),
              static_cast<std::uint16_t>(std::min<int>(seam[c] + radius, strip[c].last))});
-    return solve(
-        strip.columns(), band, [&](std::size_t c, int entry) { return strip.energy(c, entry); },
-        strip.steps(), strip.protects(), tolerance, number, tick);
+    return solve(strip.columns(), band,
+                 [&](std::size_t c, int entry) { return strip.energy(c, entry); }, strip.steps(),
+                 {strip.protects(), tolerance, number, tick});
 }
 
 }  // namespace fluidcarve

@@ -336,36 +336,41 @@ std::vector<char> stored(const Image& image, const ImageSpec& spec, int first, i
     return out;
 }
 
+/// What an image's file holds, and how.
+ImageSpec spec_of(const Image& image, int quality) {
+    ImageSpec out(image.data.width, image.data.height, static_cast<int>(image.channels.size()),
+                  TypeDesc(image.channels.front().depth));
+    out.x = image.data.x;
+    out.y = image.data.y;
+    out.full_x = image.display.x;
+    out.full_y = image.display.y;
+    out.full_width = image.display.width;
+    out.full_height = image.display.height;
+    out.channelnames.clear();
+    out.channelformats.clear();
+    bool mixed = false;
+    for (const auto& channel : image.channels) {
+        out.channelnames.push_back(channel.name);
+        out.channelformats.emplace_back(channel.depth);
+        mixed = mixed || channel.depth != image.channels.front().depth;
+    }
+    if (!mixed) out.channelformats.clear();
+    out.alpha_channel = image.alpha;
+    set_attributes(out, image.attributes);
+    // OpenImageIO would set the time of writing; equal images would then give different files.
+    if (!out.find_attribute("DateTime")) out.attribute("DateTime", "");
+    if (image.format == "jpeg") out.attribute("CompressionQuality", quality);
+    // A third of the time of zlib's default level, and files are 6 % larger.
+    if (image.format == "png") out.attribute("png:compressionLevel", 4);
+    // Writing EXIF to TIFF fails, with an error for a valid file.
+    if (image.format == "tiff") out.attribute("tiff:write_exif", 0);
+    return out;
+}
+
 void write(const std::string& path, const Image& image, int quality) {
     const auto file = ImageOutput::create(image.format);
     if (!file) throw Failure(OIIO::geterror());
-    ImageSpec spec(image.data.width, image.data.height, static_cast<int>(image.channels.size()),
-                   TypeDesc(image.channels.front().depth));
-    spec.x = image.data.x;
-    spec.y = image.data.y;
-    spec.full_x = image.display.x;
-    spec.full_y = image.display.y;
-    spec.full_width = image.display.width;
-    spec.full_height = image.display.height;
-    spec.channelnames.clear();
-    spec.channelformats.clear();
-    bool mixed = false;
-    for (const auto& channel : image.channels) {
-        spec.channelnames.push_back(channel.name);
-        spec.channelformats.emplace_back(channel.depth);
-        mixed = mixed || channel.depth != image.channels.front().depth;
-    }
-    if (!mixed) spec.channelformats.clear();
-    spec.alpha_channel = image.alpha;
-    set_attributes(spec, image.attributes);
-    // OpenImageIO would set the time of writing; equal images would then give different files.
-    if (!spec.find_attribute("DateTime")) spec.attribute("DateTime", "");
-    if (image.format == "jpeg") spec.attribute("CompressionQuality", quality);
-    // A third of the time of zlib's default level, and files are 6 % larger.
-    if (image.format == "png") spec.attribute("png:compressionLevel", 4);
-    // Writing EXIF to TIFF fails, with an error for a valid file.
-    if (image.format == "tiff") spec.attribute("tiff:write_exif", 0);
-
+    const auto spec = spec_of(image, quality);
     // Writes into memory: not all of OpenImageIO's writers notice errors of the system.
     OIIO::Filesystem::IOVecOutput encoded;
     file->set_ioproxy(&encoded);
