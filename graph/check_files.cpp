@@ -4,53 +4,74 @@
 
 namespace fluidcarve {
 
-void PipelineBuilder::check_paths(const FrameSet& frames) {
-    const auto each_path = [&](Shape::Kind kind, const auto& visit) {
-        for (const auto& [node, value, references, unsure] : nodes_)
-            for (const auto& spec : node.type->params)
-                if (!unsure && spec.shape.kind == kind)
-                    if (const auto& path = spec.path(node.params.get()); !path.text().empty()) {
-                        const auto* const field = value->find(spec.name);
-                        visit(node, spec, path, field ? field->value.mark : node.mark);
-                    }
-    };
-    std::vector<FileClaim> claims;
-    std::vector<std::pair<Mark, std::string>> who;  ///< per claim
-    for (const auto& source : document_.sources) {
-        claims.push_back({PathPattern::literal(source.source->name), false});
-        who.emplace_back(source, source.source->name == document_.name
-                                     ? "this is the pipeline itself"
-                                     : "the pipeline extends it");
+namespace {
+
+/// A path that a node states.
+struct StatedPath {
+    const Node* node;
+    const ParamSpec* spec;
+    PathPattern path;
+    Mark mark;
+};
+
+std::vector<StatedPath> stated_paths(const std::vector<UnfinishedNode>& nodes, Shape::Kind kind) {
+    std::vector<StatedPath> out;
+    for (const auto& [node, value, references, unsure] : nodes)
+        for (const auto& spec : node.type->params) {
+            if (unsure || spec.shape.kind != kind) continue;
+            const auto& path = spec.path(node.params.get());
+            const auto* const field = value->find(spec.name);
+            if (!path.text().empty())
+                out.push_back({&node, &spec, path, field ? field->value.mark : node.mark});
+        }
+    return out;
+}
+
+/// The files that a pipeline claims.
+struct AllClaims {
+    std::vector<FileClaim> files;
+    std::vector<std::pair<Mark, std::string>> who;  ///< per file
+
+    void add(const StatedPath& stated, bool writes) {
+        files.push_back({stated.path, writes});
+        who.emplace_back(stated.mark, fmt::format("'{}' {} it here", stated.node->name,
+                                                  writes ? "writes" : "reads"));
     }
-    for (const auto kind : {Shape::Kind::input_path, Shape::Kind::output_path})
-        each_path(kind, [&](const Node& node, const ParamSpec&, const PathPattern& path,
-                            const Mark& mark) {
-            const bool writes = kind == Shape::Kind::output_path;
-            claims.push_back({path, writes});
-            who.emplace_back(
-                mark, fmt::format("'{}' {} it here", node.name, writes ? "writes" : "reads"));
-        });
-    const auto first = overwritten(claims, frames.frames());
-    auto claim = static_cast<std::size_t>(std::ranges::find(claims, true, &FileClaim::writes) -
-                                          claims.begin());
-    each_path(Shape::Kind::output_path, [&](const Node& node, const ParamSpec& spec,
-                                            const PathPattern& path, const Mark& mark) {
-        if (node.rate == Rate::frame && !path.per_frame() &&
-            (frames.frames().size() > 1 || sequences_.contains(node.name)))
+};
+
+}  // namespace
+
+void PipelineBuilder::check_paths(const FrameSet& frames) {
+    const auto read = stated_paths(nodes_, Shape::Kind::input_path),
+               written = stated_paths(nodes_, Shape::Kind::output_path);
+    AllClaims claims;
+    for (const auto& source : document_.sources) {
+        claims.files.push_back({PathPattern::literal(source.source->name), false});
+        claims.who.emplace_back(source, source.source->name == document_.name
+                                            ? "this is the pipeline itself"
+                                            : "the pipeline extends it");
+    }
+    for (const auto& each : read) claims.add(each, false);
+    auto claim = claims.files.size();
+    for (const auto& each : written) claims.add(each, true);
+    const auto first = overwritten(claims.files, frames.frames());
+    for (const auto& [node, spec, path, mark] : written) {
+        if (node->rate == Rate::frame && !path.per_frame() &&
+            (frames.frames().size() > 1 || sequences_.contains(node->name)))
             add(problems_, mark,
                 fmt::format(
                     "{} writes a file for every frame: '{}' needs a frame token such as ####",
-                    node.type->name, spec.name));
-        if (node.rate != Rate::frame && path.per_frame() && !blame_reader(node, mark, frames))
+                    node->type->name, spec->name));
+        if (node->rate != Rate::frame && path.per_frame() && !blame_reader(*node, mark, frames))
             add(problems_, mark,
                 fmt::format(
                     "{} writes one file here, not one per frame: '{}' can't have a frame token",
-                    node.type->name, spec.name));
+                    node->type->name, spec->name));
         if (const auto other = first[claim++])
             add(problems_, mark,
-                fmt::format("'{}' would overwrite a file of the same pipeline", node.name),
-                who[*other].first, who[*other].second);
-    });
+                fmt::format("'{}' would overwrite a file of the same pipeline", node->name),
+                claims.who[*other].first, claims.who[*other].second);
+    }
 }
 
 bool PipelineBuilder::blame_reader(const Node& writer, const Mark& mark, const FrameSet& frames) {

@@ -293,66 +293,80 @@ std::map<std::string, Value> apply(const std::vector<std::string>& texts, Value&
     return of_params;
 }
 
-/// The document of a file, or of a text, that was read.
-/// @param open  whether params may have no value
-Document document_of(const std::string& name, const std::vector<std::string>& settings,
-                     Reader& reader, const Value& root, TextRoom& room, Problems& problems,
-                     bool open) {
-    const auto part = [&](const char* name, Value::Kind kind) {
-        const auto* const field = root.find(name);
-        if (field && (kind == Value::Kind::null || field->value.kind == kind)) return field->value;
-        Value out;
-        out.kind = kind;
-        out.mark = root.mark;
-        return out;
-    };
-    Document out;
-    out.name = name;
+/// A part of a pipeline; an empty one of this kind, if it is not stated.
+/// @param kind  null: of any kind
+Value part_of(const Value& root, const char* name, Value::Kind kind) {
+    const auto* const field = root.find(name);
+    if (field && (kind == Value::Kind::null || field->value.kind == kind)) return field->value;
+    Value out;
+    out.kind = kind;
     out.mark = root.mark;
-    out.sources = std::move(reader.sources);
-    out.frames = part("frames", Value::Kind::null);
-    out.nodes = part("nodes", Value::Kind::map);
-    out.plugins = part("plugins", Value::Kind::null);
-    out.provenance = part("provenance", Value::Kind::null);
-    if (root.fields.empty()) return out;
-    if (out.nodes.fields.empty() && problems.empty())
-        add(problems, root.mark, "the pipeline has no nodes");
-    if (const auto* const frames = root.find("frames");
-        frames && frames->value.kind == Value::Kind::null)
-        add(problems, frames->mark,
-            "'frames' has no value; name frames such as 1001-1084, or leave the field out for a "
-            "single one");
-
-    const auto params = part("params", Value::Kind::map);
-    DocumentNames known(problems, room, open);
-    known.declare_environment(part("env", Value::Kind::null));
-    out.params =
-        known.declare_params(params, apply(settings, out.nodes, out.frames, params, problems));
-    known.replace(out.frames);
-    known.replace(out.nodes);
-    known.replace(out.plugins);
-    known.replace(out.provenance);
-    out.insertions = std::move(known.insertions);
-    out.environment = known.environment();
     return out;
 }
+
+/// Makes documents of what a Reader has read.
+class DocumentMaker {
+public:
+    /// @param open  whether params may have no value
+    DocumentMaker(const std::vector<std::string>& settings, Problems& problems, bool open)
+        : settings_(settings), problems_(problems), open_(open) {}
+
+    /// @param from  a path, or a text
+    Document made(const std::string& name, const auto& from) {
+        Reader reader(problems_, room_);
+        const Value root = reader.load(from, {});
+        Document out;
+        out.name = name;
+        out.mark = root.mark;
+        out.sources = std::move(reader.sources);
+        out.frames = part_of(root, "frames", Value::Kind::null);
+        out.nodes = part_of(root, "nodes", Value::Kind::map);
+        out.plugins = part_of(root, "plugins", Value::Kind::null);
+        out.provenance = part_of(root, "provenance", Value::Kind::null);
+        if (root.fields.empty()) return out;
+        if (out.nodes.fields.empty() && problems_.empty())
+            add(problems_, root.mark, "the pipeline has no nodes");
+        if (const auto* const frames = root.find("frames");
+            frames && frames->value.kind == Value::Kind::null)
+            add(problems_, frames->mark,
+                "'frames' has no value; name frames such as 1001-1084, or leave the field out for "
+                "a single one");
+        insert_names(root, out);
+        return out;
+    }
+
+private:
+    /// Applies the settings, and replaces `${name}`.
+    void insert_names(const Value& root, Document& out) {
+        const auto params = part_of(root, "params", Value::Kind::map);
+        DocumentNames known(problems_, room_, open_);
+        known.declare_environment(part_of(root, "env", Value::Kind::null));
+        out.params = known.declare_params(
+            params, apply(settings_, out.nodes, out.frames, params, problems_));
+        known.replace(out.frames);
+        known.replace(out.nodes);
+        known.replace(out.plugins);
+        known.replace(out.provenance);
+        out.insertions = std::move(known.insertions);
+        out.environment = known.environment();
+    }
+
+    const std::vector<std::string>& settings_;
+    Problems& problems_;
+    bool open_;
+    TextRoom room_;
+};
 
 }  // namespace
 
 Document read_document(const std::string& path, const std::vector<std::string>& settings,
                        Problems& problems, bool open) {
-    TextRoom room;
-    Reader reader(problems, room);
-    const Value root = reader.load(path, {});
-    return document_of(path, settings, reader, root, room, problems, open);
+    return DocumentMaker(settings, problems, open).made(path, path);
 }
 
 Document read_document(const std::shared_ptr<const Source>& text,
                        const std::vector<std::string>& settings, Problems& problems) {
-    TextRoom room;
-    Reader reader(problems, room);
-    const Value root = reader.load(text, {});
-    return document_of(text->name, settings, reader, root, room, problems, false);
+    return DocumentMaker(settings, problems, false).made(text->name, text);
 }
 
 }  // namespace fluidcarve

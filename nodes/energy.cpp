@@ -25,19 +25,43 @@ namespace fluidcarve {
 
 namespace {
 
-struct Combine {
-    struct Params {
+struct RangeParams {
+    TermRanges range;
+};
+
+/// What nodes share that add energies, each remapped to [0, 1] over the whole sequence:
+/// `Node::terms(params, io, context)` makes them, and their ranges are set here.
+template <class Node>
+class EnergySum {
+public:
+    static bool gathers(const RangeParams& params) { return params.range.gathers(); }
+    static std::shared_ptr<FrameRanges> digest(const auto& params, const auto& io,
+                                               Context& context) {
+        std::vector<Ref<FloatGrid>> energies;
+        for (const auto& term : Node::terms(params, io, context)) energies.push_back(term.energy);
+        return ranges_of(params.range, energies);
+    }
+    void add(const RangeParams&, const Ref<FrameRanges>& frame, Context&) { gathered_.add(*frame); }
+    void finish(const RangeParams&, auto&, Context&) {}
+    void run(const auto& params, auto& io, Context& context) const {
+        auto terms = Node::terms(params, io, context);
+        for (std::size_t n = 0; n < terms.size(); ++n)
+            terms[n].range = gathered_.of(params.range, n);
+        io.energy = combined_energy(terms);
+    }
+
+private:
+    GatheredRanges gathered_;
+};
+
+struct Combine : EnergySum<Combine> {
+    struct Params : RangeParams {
         std::vector<float> weights;
-        TermRanges range;
     };
     struct Ports {
         List<FloatGrid> terms;
         Ref<FloatGrid> energy;
     };
-
-    GatheredRanges gathered;
-
-    static bool gathers(const Params& params) { return params.range.gathers(); }
 
     static void check(const Params& params, NodeCheck& check) {
         const auto terms = check.connections("terms");
@@ -47,20 +71,11 @@ struct Combine {
         params.range.check(terms, check);
     }
 
-    static std::shared_ptr<FrameRanges> digest(const Params& params, const Ports& io, Context&) {
-        return ranges_of(params.range, io.terms);
-    }
-
-    void add(const Params&, const Ref<FrameRanges>& frame, Context&) { gathered.add(*frame); }
-
-    void finish(const Params&, Ports&, Context&) {}
-
-    void run(const Params& params, Ports& io, Context&) const {
-        std::vector<EnergyTerm> terms;
+    static std::vector<EnergyTerm> terms(const Params& params, const Ports& io, Context&) {
+        std::vector<EnergyTerm> out;
         for (std::size_t n = 0; n < io.terms.size(); ++n)
-            terms.push_back({io.terms[n], params.weights.empty() ? 1.0f : params.weights.at(n),
-                             gathered.of(params.range, n)});
-        io.energy = combined_energy(terms);
+            out.push_back({io.terms[n], params.weights.empty() ? 1.0f : params.weights.at(n), {}});
+        return out;
     }
 };
 
@@ -73,7 +88,7 @@ NodeType energy_combine() {
         .input("terms", &Combine::Ports::terms, "Energies, all on grids with the same transform.")
         .param("weights", &Combine::Params::weights, Unit::none, at_least(0),
                "One weight per term. Empty: all are 1.")
-        .param("range", &Combine::Params::range,
+        .param("range", &RangeParams::range,
                "The interval that is remapped to [0, 1]; values outside are clamped. Auto: from "
                "the smallest to the largest active value of the sequence, found in an extra pass. "
                "A list states one interval or auto per term. A constant term counts as 0.")
@@ -85,19 +100,25 @@ NodeType energy_combine() {
 
 namespace {
 
-struct Curvature {
-    struct Params {
-        float gain = 1.0f;
-    };
+struct GainParams {
+    float gain = 1.0f;
+};
+
+/// An energy that looks at the neighbours of each voxel.
+template <FloatGrid::Ptr (*energy_of)(const FloatGrid& field, float gain)>
+struct StencilEnergy {
+    using Params = GainParams;
     struct Ports {
-        Ref<FloatGrid> surface;
-        Ref<FloatGrid> energy;
+        Ref<FloatGrid> field, energy;
     };
     static void run(const Params& params, Ports& io, Context& context) {
-        require_stencil_fits(*io.surface, sizeof(float), context.memory_budget());
-        io.energy = curvature_energy(*io.surface, params.gain);
+        require_stencil_fits(*io.field, sizeof(float), context.memory_budget());
+        io.energy = energy_of(*io.field, params.gain);
     }
 };
+
+using Curvature = StencilEnergy<curvature_energy>;
+using Gradient = StencilEnergy<gradient_energy>;
 
 }  // namespace
 
@@ -105,7 +126,7 @@ NodeType energy_curvature() {
     return Declare<Curvature>(
                "energy.curvature",
                "High where a surface curves, so that seams avoid its waves, drops and edges.")
-        .input("surface", &Curvature::Ports::surface,
+        .input("surface", &Curvature::Ports::field,
                "A level set, or any field: its level surfaces count.")
         .param("gain", &Curvature::Params::gain, Unit::none, at_least(0),
                "Multiplier on the result.")
@@ -115,24 +136,6 @@ NodeType energy_curvature() {
         .kept()
         .in_place();
 }
-
-namespace {
-
-struct Gradient {
-    struct Params {
-        float gain = 1.0f;
-    };
-    struct Ports {
-        Ref<FloatGrid> field;
-        Ref<FloatGrid> energy;
-    };
-    static void run(const Params& params, Ports& io, Context& context) {
-        require_stencil_fits(*io.field, sizeof(float), context.memory_budget());
-        io.energy = gradient_energy(*io.field, params.gain);
-    }
-};
-
-}  // namespace
 
 NodeType energy_gradient() {
     return Declare<Gradient>(
@@ -149,14 +152,14 @@ NodeType energy_gradient() {
 
 namespace {
 
+struct VelocityPorts {
+    Ref<VectorGrid> velocity;
+    Ref<FloatGrid> energy;
+};
+
 struct Kinetic {
-    struct Params {
-        float gain = 1.0f;
-    };
-    struct Ports {
-        Ref<VectorGrid> velocity;
-        Ref<FloatGrid> energy;
-    };
+    using Params = GainParams;
+    using Ports = VelocityPorts;
     static void run(const Params& params, Ports& io, Context& context) {
         require_collocation_fits(*io.velocity, context.memory_budget());
         io.energy = kinetic_energy(io.velocity, params.gain);
@@ -242,19 +245,13 @@ NodeType energy_remap() {
 
 namespace {
 
-struct SurfaceEnergy {
-    struct Params : SurfaceWeights {
-        TermRanges range;
-    };
+struct SurfaceEnergy : EnergySum<SurfaceEnergy> {
+    struct Params : SurfaceWeights, RangeParams {};
     struct Ports {
         Ref<FloatGrid> surface;
         Optional<VectorGrid> velocity;
         Ref<FloatGrid> energy;
     };
-
-    GatheredRanges gathered;
-
-    static bool gathers(const Params& params) { return params.range.gathers(); }
 
     static void check(const Params& params, NodeCheck& check) {
         const auto velocities = check.connections("velocity");
@@ -265,30 +262,10 @@ struct SurfaceEnergy {
         params.range.check(1 + velocities, check);
     }
 
-    static void require_terms_fit(const Ports& io, const Context& context) {
+    static std::vector<EnergyTerm> terms(const Params& params, const Ports& io, Context& context) {
         require_stencil_fits(*io.surface, sizeof(float), context.memory_budget());
         if (io.velocity) require_collocation_fits(*io.velocity, context.memory_budget());
-    }
-
-    static std::shared_ptr<FrameRanges> digest(const Params& params, const Ports& io,
-                                               Context& context) {
-        require_terms_fit(io, context);
-        std::vector<Ref<FloatGrid>> energies;
-        for (const auto& term : surface_terms(*io.surface, io.velocity, params))
-            energies.push_back(term.energy);
-        return ranges_of(params.range, energies);
-    }
-
-    void add(const Params&, const Ref<FrameRanges>& frame, Context&) { gathered.add(*frame); }
-
-    void finish(const Params&, Ports&, Context&) {}
-
-    void run(const Params& params, Ports& io, Context& context) const {
-        require_terms_fit(io, context);
-        auto terms = surface_terms(*io.surface, io.velocity, params);
-        for (std::size_t n = 0; n < terms.size(); ++n)
-            terms[n].range = gathered.of(params.range, n);
-        io.energy = combined_energy(terms);
+        return surface_terms(*io.surface, io.velocity, params);
     }
 };
 
@@ -307,7 +284,7 @@ NodeType energy_surface() {
                "Weight of |sum of the principal curvatures|.")
         .param("kinetic", &SurfaceWeights::kinetic, Unit::none, at_least(0),
                "Weight of velocity . velocity; lambda in the paper.")
-        .param("range", &SurfaceEnergy::Params::range,
+        .param("range", &RangeParams::range,
                "The interval of each term that is remapped to [0, 1] before weighting; values "
                "outside are clamped. Auto: from the smallest to the largest active value of the "
                "sequence, found in an extra pass. A list states one interval or auto per term: "
@@ -321,19 +298,13 @@ NodeType energy_surface() {
 
 namespace {
 
-struct VolumeEnergy {
-    struct Params : VolumeWeights {
-        TermRanges range;
-    };
+struct VolumeEnergy : EnergySum<VolumeEnergy> {
+    struct Params : VolumeWeights, RangeParams {};
     struct Ports {
         Optional<VectorGrid> velocity;
         OptionalList<FloatGrid> fields;
         Ref<FloatGrid> energy;
     };
-
-    GatheredRanges gathered;
-
-    static bool gathers(const Params& params) { return params.range.gathers(); }
 
     static void check(const Params& params, NodeCheck& check) {
         const auto velocities = check.connections("velocity"), fields = check.connections("fields");
@@ -351,32 +322,12 @@ struct VolumeEnergy {
         params.range.check(2 * velocities + fields, check);
     }
 
-    static void require_terms_fit(const Ports& io, const Context& context) {
+    static std::vector<EnergyTerm> terms(const Params& params, const Ports& io, Context& context) {
         if (io.velocity)
             require_stencil_fits(*io.velocity, sizeof(openvdb::Vec3s), context.memory_budget());
         for (const auto& field : io.fields)
             require_stencil_fits(*field, sizeof(float), context.memory_budget());
-    }
-
-    static std::shared_ptr<FrameRanges> digest(const Params& params, const Ports& io,
-                                               Context& context) {
-        require_terms_fit(io, context);
-        std::vector<Ref<FloatGrid>> energies;
-        for (const auto& term : volume_terms(io.velocity, io.fields, params))
-            energies.push_back(term.energy);
-        return ranges_of(params.range, energies);
-    }
-
-    void add(const Params&, const Ref<FrameRanges>& frame, Context&) { gathered.add(*frame); }
-
-    void finish(const Params&, Ports&, Context&) {}
-
-    void run(const Params& params, Ports& io, Context& context) const {
-        require_terms_fit(io, context);
-        auto terms = volume_terms(io.velocity, io.fields, params);
-        for (std::size_t n = 0; n < terms.size(); ++n)
-            terms[n].range = gathered.of(params.range, n);
-        io.energy = combined_energy(terms);
+        return volume_terms(io.velocity, io.fields, params);
     }
 };
 
@@ -398,7 +349,7 @@ NodeType energy_volume() {
         .param("gradient", &VolumeWeights::gradient, Unit::none, at_least(0),
                "Weight of |grad field|, for each field; lambda 2 in the paper.")
         .param(
-            "range", &VolumeEnergy::Params::range,
+            "range", &RangeParams::range,
             "The interval of each term that is remapped to [0, 1] before weighting; values outside "
             "are clamped. Auto: from the smallest to the largest active value of the sequence, "
             "found in an extra pass. A list states one interval or auto per term: vorticity, "
@@ -413,13 +364,8 @@ NodeType energy_volume() {
 namespace {
 
 struct Vorticity {
-    struct Params {
-        float gain = 1.0f;
-    };
-    struct Ports {
-        Ref<VectorGrid> velocity;
-        Ref<FloatGrid> energy;
-    };
+    using Params = GainParams;
+    using Ports = VelocityPorts;
     static void run(const Params& params, Ports& io, Context& context) {
         require_stencil_fits(*io.velocity, sizeof(openvdb::Vec3s), context.memory_budget());
         io.energy = vorticity_energy(io.velocity, params.gain);

@@ -11,9 +11,9 @@
 #include "formats/file/output_file.h"
 #include "formats/geometry_file/wireframe.h"
 #include "graph/types/node_type.h"
-#include "nodes/params/check_params.h"
+#include "nodes/params/box_params.h"
+#include "nodes/params/build_params.h"
 #include "nodes/params/lattice_node.h"
-#include "nodes/params/param_forms.h"
 #include "nodes/payload/active_box.h"
 #include "nodes/solving/foreseen.h"
 
@@ -25,7 +25,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 
 namespace fluidcarve {
@@ -98,80 +97,16 @@ NodeType lattice_around() {
 
 namespace {
 
-enum class AxisOrder { xyz, xzy, yxz, yzx, zxy, zyx };
-enum class Inverse { exact, closed_form };
-
-}  // namespace
-
-template <>
-struct ChoiceNames<Inverse> {
-    static constexpr std::array names = {std::pair{"exact", Inverse::exact},
-                                         std::pair{"closed_form", Inverse::closed_form}};
-};
-template <>
-struct ChoiceNames<AxisOrder> {
-    static constexpr std::array names = {
-        std::pair{"xyz", AxisOrder::xyz}, std::pair{"xzy", AxisOrder::xzy},
-        std::pair{"yxz", AxisOrder::yxz}, std::pair{"yzx", AxisOrder::yzx},
-        std::pair{"zxy", AxisOrder::zxy}, std::pair{"zyx", AxisOrder::zyx}};
-};
-
-namespace {
-
 using openvdb::Vec3d;
 
-constexpr int most_steps = most_vertices - 1;
-
-std::array<int, 3> world_axes(AxisOrder order) {
-    const auto name = ParamTraits<AxisOrder>::text(order);
-    return {name[0] - 'x', name[1] - 'x', name[2] - 'x'};
-}
-
 struct Box {
-    struct Params {
-        Auto<Vec3> min, max;
-        Auto<double> spacing;
-        AxisOrder axes = AxisOrder::xyz;
-    };
+    using Params = BoxParams;
     struct Ports {
         OptionalList<AnyGrid> fit;
         Ref<Lattice> lattice;
     };
 
-    static void check(const Params& params, NodeCheck& check) {
-        if (check.stated("fit")) {
-            for (const auto* field : {"min", "max", "spacing"})
-                if (check.stated(field))
-                    check.fault(field, fmt::format("'{}' and 'fit' exclude each other: a fitted "
-                                                   "box takes its place and spacing from the grid",
-                                                   field));
-            return;
-        }
-        for (const auto* field : {"min", "max", "spacing"})
-            if (!check.stated(field))
-                return check.fault(field,
-                                   "needs either 'fit', or all of 'min', 'max' and 'spacing'");
-        if (!params.min || !params.max || !params.spacing) return;
-        if (!(*params.spacing > 0)) return check.fault("spacing", "'spacing' must be above 0");
-        check_extent(*params.min, *params.max, *params.spacing, check);
-    }
-
-    static void check_extent(const Vec3& min, const Vec3& max, double spacing, NodeCheck& check) {
-        for (std::size_t n = 0; n < 3; ++n) {
-            if (!check_corners(min, max, n, check)) continue;
-            const double extent = max[n] - min[n], steps = extent / spacing;
-            if (steps > most_steps)
-                check.fault("max", fmt::format("the extent {:.10g} in {} is {:.0f} times the "
-                                               "spacing {:.10g}; {} is the most",
-                                               extent, "xyz"[n], steps, spacing, most_steps));
-            else if (std::abs(steps - std::round(steps)) > 1e-3)
-                check.fault(
-                    "max",
-                    fmt::format("the extent {:.10g} in {} is no whole multiple of the spacing "
-                                "{:.10g}; the nearest 'max' that fits is {:.10g}",
-                                extent, "xyz"[n], spacing, min[n] + std::round(steps) * spacing));
-        }
-    }
+    static void check(const Params& params, NodeCheck& check) { check_params(params, check); }
 
     static void foresee(const Params& params, Outlook& ahead) {
         if (params.min && params.max) {
@@ -211,19 +146,13 @@ struct Box {
     }
 
     void finish(const Params& params, Ports& io, Context&) {
-        const auto axes = world_axes(params.axes);
-        if (params.min) {
-            // The spacing is computed from the corners: a spacing typed with few digits would let
-            // the vertices drift away from the voxels.
-            double spacing = *params.spacing, longest = 0;
-            for (std::size_t n = 0; n < 3; ++n)
-                if (const double steps = steps_along(params, n); steps > longest)
-                    spacing = ((*params.max)[n] - (*params.min)[n]) / (longest = steps);
-            io.lattice = std::make_shared<Lattice>(
-                make_box(Vec3d((*params.min)[0], (*params.min)[1], (*params.min)[2]),
-                         shape_of(params), spacing, axes));
-            return;
-        }
+        io.lattice = std::make_shared<Lattice>(params.min ? stated_box(params)
+                                                          : fitted_box(axes_of(params.axes)));
+    }
+
+private:
+    /// A vertex at each voxel of the box.
+    Lattice fitted_box(const std::array<int, 3>& axes) const {
         if (!voxels_.transform())
             throw Failure(
                 "the grid to fit has no active voxels in any frame; state 'min', 'max' and "
@@ -236,49 +165,30 @@ struct Box {
                             "crop the grid, or state 'min', 'max' and 'spacing' of a part",
                             name_, span_text(box_), most_vertices),
                 Failure::Kind::input);
-        if (cubes_along_axes(transform)) {
-            const std::array<int, 3> shape{static_cast<int>(counts[0]), static_cast<int>(counts[1]),
-                                           static_cast<int>(counts[2])};
-            io.lattice = std::make_shared<Lattice>(make_box(transform.indexToWorld(box_.min()),
-                                                            in_order(axes, shape),
-                                                            transform.voxelSize().x(), axes));
-            return;
-        }
-        // Along u, v and w, the voxels' own axes that come nearest to those of the world.
+        const std::array<int, 3> shape{static_cast<int>(counts[0]), static_cast<int>(counts[1]),
+                                       static_cast<int>(counts[2])};
+        return cubes_along_axes(transform)
+                   ? make_box(transform.indexToWorld(box_.min()), in_order(axes, shape),
+                              transform.voxelSize().x(), axes)
+                   : turned_box(transform, shape, axes);
+    }
+
+    /// Along u, v and w, the voxels' own axes that come nearest to those of the world.
+    /// @param counts  of voxels along their own axes
+    Lattice turned_box(const openvdb::math::Transform& transform, const std::array<int, 3>& counts,
+                       const std::array<int, 3>& axes) const {
         const VoxelAxes own(transform);
-        openvdb::Vec3d first;
+        Vec3d first;
         std::array<int, 3> shape;
         std::array<Vec3d, 3> steps;
         for (std::size_t n = 0; n < 3; ++n) {
             const int axis = own.nearest(axes[n]);
             const bool back = own.step(axis)[axes[n]] < 0;
-            shape[n] = static_cast<int>(counts[static_cast<std::size_t>(axis)]);
+            shape[n] = counts[static_cast<std::size_t>(axis)];
             steps[n] = own.step(axis) * (back ? -1 : 1);
             first[axis] = back ? box_.max()[axis] : box_.min()[axis];
         }
-        io.lattice =
-            std::make_shared<Lattice>(make_box(transform.indexToWorld(first), shape, steps));
-    }
-
-private:
-    /// Steps from the first vertex to the last.
-    /// @param axis  of the world; `min`, `max` and `spacing` must be stated
-    static double steps_along(const Params& params, std::size_t axis) {
-        return std::round(((*params.max)[axis] - (*params.min)[axis]) / *params.spacing);
-    }
-    /// I, J, K by the numbers along the world's axes.
-    static std::array<int, 3> in_order(const std::array<int, 3>& axes,
-                                       const std::array<int, 3>& counts) {
-        std::array<int, 3> out;
-        for (std::size_t n = 0; n < 3; ++n) out[n] = counts[static_cast<std::size_t>(axes[n])];
-        return out;
-    }
-    /// I, J, K of a stated box.
-    static std::array<int, 3> shape_of(const Params& params) {
-        std::array<int, 3> counts;
-        for (std::size_t n = 0; n < 3; ++n)
-            counts[n] = static_cast<int>(steps_along(params, n)) + 1;
-        return in_order(world_axes(params.axes), counts);
+        return make_box(transform.indexToWorld(first), shape, steps);
     }
 
     SameVoxels voxels_;
@@ -313,34 +223,12 @@ NodeType lattice_box() {
 namespace {
 
 struct LatticeBuild : LatticeNode {
-    struct Params : LatticeNode::Params {
-        Auto<double> spacing;
-        RigExtent extent_u, extent_v;
-        bool flip_u = false;
-        Inverse mapping = Inverse::exact;
-    };
+    using Params = BuildParams;
     struct Ports : LatticeNode::Ports {
         Optional<FloatGrid> content;
     };
 
-    static void check(const Params& params, NodeCheck& check) {
-        if (params.spacing && !(*params.spacing > 0))
-            return check.fault("spacing", "'spacing' must be above 0");
-        const bool content = check.stated("content");
-        if (!params.spacing && !content)
-            check.fault("spacing",
-                        "'spacing' takes the voxel size of 'content', and that is not connected; "
-                        "connect it, or state the spacing");
-        for (const auto& [name, extent] :
-             {std::pair{"extent_u", params.extent_u}, std::pair{"extent_v", params.extent_v}}) {
-            if (extent.shares && !content)
-                check.fault(name, fmt::format("'{}' counts the width of 'content', and that is not "
-                                              "connected; connect it, or state world units",
-                                              name));
-            else if (const auto fault = extent_fault(name, extent, params.spacing))
-                check.fault(name, *fault);
-        }
-    }
+    static void check(const Params& params, NodeCheck& check) { check_params(params, check); }
 
     static void foresee(const Params& params, Outlook& ahead) {
         if (!params.spacing || params.extent_u.shares || params.extent_v.shares) return;
@@ -377,52 +265,17 @@ struct LatticeBuild : LatticeNode {
             sum_.u /= showing_;
             sum_.v /= showing_;
         }
-        for (const auto& [name, extent, width] :
-             {std::tuple{"extent_u", params.extent_u, sum_.u},
-              std::tuple{"extent_v", params.extent_v, sum_.v}}) {
-            const auto [low, high] = extent.of(width);
-            if (const auto fault = extent_fault(name, {low, high}, spacing)) throw Failure(*fault);
-        }
+        require_extents(params, sum_, spacing);
         const auto spec = spec_of(params, sum_, spacing);
         extend(sum_.before, sum_.after, std::max(-spec.u[0], spec.u[1]));
         conclude_build(spec, params.on_fold, context);
     }
 
 private:
-    /// The fault of an extent in world units, if any. @param spacing  nothing: not known yet
-    static std::optional<std::string> extent_fault(const char* name, const RigExtent& extent,
-                                                   const Auto<double>& spacing) {
-        if (extent.high == extent.low)
-            return fmt::format(
-                "'{}' is {}, which is empty; for a single vertex, as for images, "
-                "state less than one spacing{}",
-                name, text_of(extent),
-                spacing && !extent.shares
-                    ? ": " + text_of(RigExtent{extent.low, extent.low + *spacing / 2, false})
-                    : std::string());
-        if (!spacing || extent.shares) return std::nullopt;
-        const double count = vertices_along(extent.of(0), *spacing);
-        if (count <= most_vertices) return std::nullopt;
-        return fmt::format("'{}' holds {:.0f} vertices at a spacing of {:g}; {} is the most", name,
-                           count, *spacing, most_vertices);
-    }
-
-    static LatticeSpec spec_of(const Params& params, const ContentReach& content, double spacing) {
-        LatticeSpec out;
-        out.spacing = spacing;
-        out.u = params.extent_u.of(content.u);
-        out.v = params.extent_v.of(content.v);
-        out.flip_u = params.flip_u;
-        out.closed_form = params.mapping == Inverse::closed_form;
-        out.smooth = params.smooth;
-        out.max_iterations = params.max_iterations;
-        return out;
-    }
-
-    ContentReach sum_;      ///< widths summed over the frames with content; greatest ends
-    int showing_ = 0;       ///< number of frames with content
-    double voxel_ = 0;      ///< voxel edge in the last of these, world units
-    bool content_ = false;  ///< whether `content` is connected
+    ContentReach sum_;      ///< widths summed over the frames that show something; greatest ends
+    int showing_ = 0;       ///< frames that do
+    double voxel_ = 0;      ///< of the last of these, world units
+    bool content_ = false;  ///< it is connected
 };
 
 }  // namespace

@@ -10,12 +10,9 @@
 #include "carve/remap/grid.h"
 #include "carve/remap/joining.h"
 #include "carve/seam/carve_map.h"
-#include "carve/time/frame_carve.h"
-#include "carve/time/frames_carved.h"
 #include "graph/types/node_type.h"
-#include "nodes/params/carve_inputs.h"
 #include "nodes/params/join_params.h"
-#include "nodes/params/rim.h"
+#include "nodes/params/remap_node.h"
 #include "nodes/result/carve_result.h"
 #include "nodes/solving/foreseen.h"
 
@@ -50,89 +47,12 @@ struct ChoiceNames<Conserve> {
 
 namespace {
 
-/// The base of all nodes that carve.
-struct RemapNode {
-    struct Params : JoinParams {
-        Auto<Count> count;
-        Rim rim = Rim::cut;
-        double rim_fade = 8;
-    };
-
-    static void check(const Params& params, NodeCheck& check) {
-        check_fade(params.rim, check);
-        check_join(params, check);
-    }
-    static void foresee(const Params& params, Outlook& ahead) {
-        foresee_carve(params.count, ahead);
-    }
-
-protected:
-    /// @param frame  a number, or the context whose frame it is
-    static CarveMap map_of(const Params& params, const auto& io, const auto& frame) {
-        auto out = carve_map(*io.lattice, io.seams, params.count, frame, params);
-        if (params.rim == Rim::fade) out.fade(params.rim_fade);
-        return out;
-    }
-};
-
-/// The base of nodes that also carve seams of frames, which needs the whole sequence.
-struct RemapInTime : RemapNode {
-    struct Params : RemapNode::Params {
-        bool transform_vectors = false;
-        std::optional<FramesCarved> in_time;  ///< if the seams are seams of frames
-    };
-
-    static bool gathers(const Params& params) { return params.in_time.has_value(); }
-    static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) {
-        return params.in_time->left(params.count, frames);
-    }
-
-protected:
-    /// @param idle  a parameter that has no effect if frames are carved; empty: none
-    static void foresee_frames(const Params& params, const std::string& idle, Outlook& ahead) {
-        if (!idle.empty())
-            ahead.fault(
-                fmt::format("'{}' has no effect on seams of frames (`axis: t`), which move "
-                            "nothing within a frame: leave it out",
-                            idle));
-        if (ahead.once())
-            ahead.fault(
-                "has a source that is the same in all frames, so that none of them can leave or be "
-                "repeated: leave this node out");
-        if (ahead.told("seams").size() > 1)
-            ahead.fault(
-                "takes seams of frames (`axis: t`) alone: carve them by a node of their own, and "
-                "what it gives by the others");
-        try {
-            const auto how = time_join_of(params, false);
-            if (params.transform_vectors && (how.fade == 1 || !how.moved))
-                ahead.fault(
-                    "'transform_vectors' has no effect on frames that go over at once or are "
-                    "blended, in which time goes as fast as before: leave it out, or state `join: "
-                    "squeeze`");
-        } catch (const Failure& failure) {
-            ahead.fault(failure.what());
-        }
-    }
-    /// The parameters of both nodes that have no effect on frames.
-    static std::string without_effect(const Params& params) {
-        return params.rim != Rim::cut ? "rim" : "";
-    }
-    void finish_frames(const Params& params, const Seams& seams, Context& context) {
-        frames_.finish(seams, seams_of(params.count, seams).value_or(seams.size()),
-                       retimes(params, frames_.numbers()), params, context.memory_budget());
-    }
-
-    FrameCarve frames_;  ///< of seams of frames
-};
-
-constexpr auto seams_doc = "Seams or a warp, or a list of them in the order of carving.";
 constexpr auto count_doc =
     "Number of seams to carve, from the first on. If there are several sets, it counts in the last "
     "one. The sign may be left out. auto is all. A warp is carved as a whole: leave `count` out.";
 
-struct RemapGrids : RemapInTime {
-    struct Params : RemapInTime::Params {
+struct RemapGrids : RemapNode {
+    struct Params : RemapNode::Params {
         Interpolation interpolation = Interpolation::linear;
         Auto<bool> renormalize;
         Conserve conserve = Conserve::none;
@@ -146,7 +66,7 @@ struct RemapGrids : RemapInTime {
     };
 
     static void foresee(const Params& params, Outlook& ahead) {
-        if (!params.in_time) return RemapNode::foresee(params, ahead);
+        if (!params.in_time) return foresee_carve(params.count, ahead);
         foresee_frames(params,
                        params.interpolation != Interpolation::linear ? "interpolation"
                        : params.renormalize                          ? "renormalize"
@@ -159,7 +79,7 @@ struct RemapGrids : RemapInTime {
         frames_.add(*io.source, io.lattice, context.frame(), context.limits());
     }
     void finish(const Params& params, Ports& io, Context& context) {
-        finish_frames(params, *io.seams.front(), context);
+        RemapNode::finish(params, io, context);
         if (frames_.blends())
             context.warn(
                 "no float grid with cubic voxels shows where things move to, so that frames are "
@@ -186,9 +106,7 @@ struct RemapGrids : RemapInTime {
         const auto carved = carve_volume(*io.source, *io.lattice, map, params.interpolation);
         io.volume =
             std::make_shared<Volume>(finished(*io.source, carved, *io.lattice, map, finish));
-        context.report(grids_by_frame,
-                       {{context.per_frame() ? std::to_string(context.frame()) : "all",
-                         compared(*io.source, *io.volume)}});
+        context.report(grids_by_frame, {{frame_name(context), compared(*io.source, *io.volume)}});
     }
 
     static void conclude(const Params&, const nlohmann::ordered_json& frames, Context& context) {
@@ -229,7 +147,7 @@ NodeType remap_grids() {
             .param("densities", &RemapGrids::Params::densities,
                    "For `conserve`: float or double grids that hold amounts per volume, such as "
                    "density and fuel, but not temperature.")
-            .param("transform_vectors", &RemapInTime::Params::transform_vectors,
+            .param("transform_vectors", &RemapNode::Params::transform_vectors,
                    "Whether vectors turn and stretch with the space around them, as the velocities "
                    "of a carved flow do. This applies to all grids of float vectors, also those in "
                    "three parts, and to the velocities of points. If frames are carved, it "
@@ -246,15 +164,15 @@ NodeType remap_grids() {
                     "The carved source: same grids, transforms and metadata. The report tells what "
                     "the carve did to each float grid, unless frames were carved.")
             .names_as("volume", "source")
-            .learns("seams", &RemapInTime::Params::in_time)
+            .learns("seams", &RemapNode::Params::in_time)
             .concludes(grids_by_frame)
             .version(4));
 }
 
 namespace {
 
-struct RemapMesh : RemapInTime {
-    struct Params : RemapInTime::Params {
+struct RemapMesh : RemapNode {
+    struct Params : RemapNode::Params {
         bool static_ = false;
     };
     struct Ports {
@@ -270,11 +188,8 @@ struct RemapMesh : RemapInTime {
         foresee_frames(params, params.static_ ? "static" : without_effect(params), ahead);
     }
 
-    void add(const Params&, const Ports& io, Context& context) {
-        frames_.add(io.source, io.lattice, context.frame(), context.limits());
-    }
     void finish(const Params& params, Ports& io, Context& context) {
-        finish_frames(params, *io.seams.front(), context);
+        RemapNode::finish(params, io, context);
         if (frames_.blends())
             context.warn(
                 "the faces of the mesh change, so that nothing says where its vertices move to: "
@@ -346,13 +261,13 @@ NodeType remap_mesh() {
             .output("mesh", &Ports::mesh,
                     "The carved source. Vertices outside the lattice, or where nothing moves, are "
                     "the same to the last bit.")
-            .learns("seams", &RemapInTime::Params::in_time));
+            .learns("seams", &RemapNode::Params::in_time));
 }
 
 namespace {
 
-struct RemapPoints : RemapInTime {
-    struct Params : RemapInTime::Params {
+struct RemapPoints : RemapNode {
+    struct Params : RemapNode::Params {
         double jitter = default_jitter;
     };
     struct Ports {
@@ -363,15 +278,8 @@ struct RemapPoints : RemapInTime {
     };
 
     static void foresee(const Params& params, Outlook& ahead) {
-        if (!params.in_time) return RemapNode::foresee(params, ahead);
+        if (!params.in_time) return foresee_carve(params.count, ahead);
         foresee_frames(params, without_effect(params), ahead);
-    }
-
-    void add(const Params&, const Ports& io, Context& context) {
-        frames_.add(io.source, io.lattice, context.frame(), context.limits());
-    }
-    void finish(const Params& params, Ports& io, Context& context) {
-        finish_frames(params, *io.seams.front(), context);
     }
 
     void run(const Params& params, Ports& io, Context& context) const {
@@ -394,8 +302,7 @@ struct RemapPoints : RemapInTime {
                                             {"moved", carved.moved},
                                             {"deleted", carved.deleted},
                                             {"copied", carved.copied}};
-        context.report("points",
-                       {{context.per_frame() ? std::to_string(context.frame()) : "all", counts}});
+        context.report("points", {{frame_name(context), counts}});
     }
 
 private:
@@ -437,14 +344,14 @@ NodeType remap_points() {
                    "random offset of up to this size along each axis. The offset is always the "
                    "same for the same point. It stays the same from frame to frame if points have "
                    "a whole number `id`; without one, set 0 if copies must not tremble.")
-            .param("transform_vectors", &RemapInTime::Params::transform_vectors,
+            .param("transform_vectors", &RemapNode::Params::transform_vectors,
                    "Whether the velocities of points (v, vel, velocity, or what else ends so) turn "
                    "and stretch with the space around them, and with time, as in remap.grids.")
             .output("points", &RemapPoints::Ports::points,
                     "The carved source, with all attributes and groups. The report's section "
                     "`points` tells how many were moved, deleted and copied in each frame, unless "
                     "frames were carved.")
-            .learns("seams", &RemapInTime::Params::in_time));
+            .learns("seams", &RemapNode::Params::in_time));
 }
 
 }  // namespace fluidcarve

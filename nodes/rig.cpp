@@ -8,6 +8,7 @@
 #include "carve/volume/volume.h"
 #include "formats/geometry_file/curve_file.h"
 #include "graph/types/node_type.h"
+#include "nodes/params/one_or_two.h"
 
 #include <fmt/format.h>
 
@@ -28,45 +29,11 @@ using openvdb::Vec3d;
 
 namespace {
 
-struct Radii {
-    std::array<double, 2> of{};
-};
-
-}  // namespace
-
-/// The radii are stated as `r` or `[r1, r2]`.
-template <>
-struct ParamTraits<Radii> {
-    static Shape shape() {
-        return {Shape::Kind::any_of,
-                {},
-                {ParamTraits<double>::shape(), ParamTraits<std::vector<double>>::shape()}};
-    }
-    static std::optional<Radii> parse(const Value& value, ValueReader& reader) {
-        if (value.kind == Value::Kind::scalar) {
-            const auto radius = reader.number(value, false);
-            return radius ? std::optional(Radii{{*radius, *radius}}) : std::nullopt;
-        }
-        const auto radii = ParamTraits<std::vector<double>>::parse(value, reader);
-        if (!radii) return std::nullopt;
-        if (radii->size() != 2)
-            return reader.fault(value,
-                                fmt::format("must have one number or two, not {}", radii->size())),
-                   std::nullopt;
-        return Radii{{(*radii)[0], (*radii)[1]}};
-    }
-    static std::string text(const Radii& radii) {
-        return fmt::format("[{}, {}]", radii.of[0], radii.of[1]);
-    }
-};
-
-namespace {
-
 struct RigCircle {
     struct Params {
         Vec3 center{};
         Vec3 normal{0, 0, 1};
-        Radii radius;
+        OneOrTwo<double> radius;
         double start = 0;
     };
     struct Ports {

@@ -13,6 +13,7 @@
 #include "carve/time/time_surface.h"
 #include "formats/points_file/file.h"
 #include "graph/types/node_type.h"
+#include "nodes/params/one_or_two.h"
 #include "nodes/params/pace_params.h"
 
 #include <fmt/format.h>
@@ -43,53 +44,18 @@ std::optional<TimeSurface> surface_in(const Sequence& source,
     return out;
 }
 
-/// Lengths that a loop may have, frames.
-struct Lengths {
-    int least = 0, most = 0;
-};
-
-}  // namespace
-
-/// The lengths are stated as `n` or `[least, most]`.
-template <>
-struct ParamTraits<Lengths> {
-    static Shape shape() {
-        return {Shape::Kind::any_of,
-                {},
-                {ParamTraits<int>::shape(), ParamTraits<std::vector<int>>::shape()}};
-    }
-    static std::optional<Lengths> parse(const Value& value, ValueReader& reader) {
-        if (value.kind == Value::Kind::scalar) {
-            const auto one = ParamTraits<int>::parse(value, reader);
-            return one ? std::optional(Lengths{*one, *one}) : std::nullopt;
-        }
-        const auto both = ParamTraits<std::vector<int>>::parse(value, reader);
-        if (!both) return std::nullopt;
-        if (both->size() != 2)
-            return reader.fault(value,
-                                fmt::format("must have one number or two, not {}", both->size())),
-                   std::nullopt;
-        return Lengths{(*both)[0], (*both)[1]};
-    }
-    static std::string text(const Lengths& lengths) {
-        return fmt::format("[{}, {}]", lengths.least, lengths.most);
-    }
-};
-
-namespace {
-
-/// The base of all loop nodes.
+/// What all loops have in common.
 class Looping {
 public:
     struct Params {
-        Lengths lengths;
+        OneOrTwo<int> lengths;  ///< that the loop may have: least and most
         Auto<int> fade;
         int loops = 1;
         Auto<int> start;
     };
 
     static void check(const Params& params, NodeCheck& check) {
-        const auto [least, most] = params.lengths;
+        const auto [least, most] = params.lengths.of;
         if (least < 2 || most > most_frames)
             check.fault("frames", fmt::format("'frames' must be from 2 to {}", most_frames));
         if (least > most)
@@ -103,7 +69,7 @@ public:
     static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) {
         const auto place = Place(params, frames);
         std::vector<int> out;
-        for (int n = 0; n < params.lengths.most * params.loops; ++n)
+        for (int n = 0; n < params.lengths.of[1] * params.loops; ++n)
             out.push_back(place.first + place.step * n);
         return out;
     }
@@ -117,7 +83,7 @@ protected:
     void close(const Params& params, const std::vector<int>& numbers, const Difference& difference,
                Context& context) {
         place_ = Place(params, numbers);
-        loop_ = best_loop(wish(params, params.lengths), numbers.size(), difference);
+        loop_ = best_loop(wish(params), numbers.size(), difference);
         const int from = numbers[loop_.first], to = numbers[loop_.first + loop_.length - 1];
         context.report("loop", {{"first", from},
                                 {"last", to},
@@ -155,16 +121,16 @@ private:
         /// @throws Failure if the sequence is shorter than the loop, or lacks frames
         Place(const Params& params, const std::vector<int>& frames)
             : first(params.start.value_or(frames.front())), step(step_of(frames)) {
-            if (static_cast<std::size_t>(params.lengths.most) > frames.size())
+            if (static_cast<std::size_t>(params.lengths.of[1]) > frames.size())
                 throw Failure(fmt::format(
                     "a loop of {} frames needs as many of the source, which has {}; lower 'frames'",
-                    params.lengths.most, frames.size()));
+                    params.lengths.of[1], frames.size()));
         }
     };
 
-    static LoopWish wish(const Params& params, Lengths lengths) {
-        LoopWish out{static_cast<std::size_t>(lengths.least),
-                     static_cast<std::size_t>(lengths.most), std::nullopt};
+    static LoopWish wish(const Params& params) {
+        const auto [least, most] = params.lengths.of;
+        LoopWish out{static_cast<std::size_t>(least), static_cast<std::size_t>(most), std::nullopt};
         if (params.fade) out.fade = static_cast<std::size_t>(*params.fade);
         return out;
     }
@@ -178,7 +144,7 @@ private:
             "their fade will be seen",
             loop_.difference);
         const auto near = loop_.length / 4;
-        auto wider = wish(params, params.lengths);
+        auto wider = wish(params);
         wider.least = std::max(loop_.fade + 1, loop_.length - near);
         wider.most = std::min(loop_.length + near, frames);
         const auto other = best_loop(wider, frames, difference);
@@ -328,10 +294,6 @@ private:
     Ref<Mesh> last_;
     double typical_ = 0;  ///< sum of the squared distances of neighbouring frames
 };
-
-}  // namespace
-
-namespace {
 
 template <class Node>
 Declare<Node>& declare_loop(Declare<Node>& node) {

@@ -9,6 +9,7 @@
 #include "formats/vdb/header_region.h"
 #include "formats/vdb/vdb_file.h"
 #include "nodes/params/file_sequence.h"
+#include "nodes/params/grid_choice.h"
 
 #include <fmt/format.h>
 
@@ -19,87 +20,9 @@ namespace fluidcarve {
 
 namespace {
 
-enum class GridKind { scalar, vector };
-
 enum class Application { detect, none, blender, houdini, embergen, bifrost };
 
-/// An entry of the parameter `grids`.
-struct GridChoice {
-    std::string name;  ///< name in the file; empty: the name of the output
-    GridKind kind = GridKind::scalar;
-};
-
 }  // namespace
-
-template <>
-struct ChoiceNames<GridKind> {
-    static constexpr std::array names = {std::pair{"float", GridKind::scalar},
-                                         std::pair{"vector", GridKind::vector}};
-};
-
-/// Written as `float`, or `{name: vel, type: vector}`.
-template <>
-struct ParamTraits<GridChoice> {
-    static Shape shape() {
-        const auto kind = ParamTraits<GridKind>::shape();
-        return {Shape::Kind::any_of,
-                {},
-                {kind,
-                 {Shape::Kind::map,
-                  {},
-                  {},
-                  {{"name", ParamTraits<std::string>::shape()}, {"type", kind}}}}};
-    }
-
-    static std::optional<GridChoice> parse(const Value& value, ValueReader& reader) {
-        GridChoice out;
-        if (value.kind == Value::Kind::scalar)
-            return parse_kind(value, reader, out) ? std::optional(out) : std::nullopt;
-        if (value.kind != Value::Kind::map)
-            return reader.unwanted(value, to_text(shape())), std::nullopt;
-        bool good = true;
-        for (const auto& field : value.fields) {
-            if (field.name == "type") {
-                good = parse_kind(field.value, reader, out) && good;
-            } else if (field.name == "name") {
-                const auto name = ParamTraits<std::string>::parse(field.value, reader);
-                good = good && name;
-                out.name = name.value_or("");
-            } else {
-                Value key;
-                key.mark = field.mark;
-                reader.fault(key, fmt::format("has no field '{}'{}", field.name,
-                                              did_you_mean(field.name, {"name", "type"})));
-                good = false;
-            }
-        }
-        if (good && !value.find("type")) {
-            reader.fault(value, "lacks 'type': float or vector");
-            good = false;
-        }
-        return good ? std::optional(out) : std::nullopt;
-    }
-
-    static std::string text(const GridChoice& choice) {
-        const auto kind = ParamTraits<GridKind>::text(choice.kind);
-        return choice.name.empty() ? kind
-                                   : fmt::format("{{name: {}, type: {}}}", choice.name, kind);
-    }
-
-private:
-    static bool parse_kind(const Value& value, ValueReader& reader, GridChoice& out) {
-        for (const auto& [name, kind] : ChoiceNames<GridKind>::names) {
-            if (value.kind != Value::Kind::scalar || value.text != name) continue;
-            out.kind = kind;
-            return true;
-        }
-        const auto best = nearest(value.text, {"float", "vector"});
-        reader.fault(value,
-                     fmt::format("must be float or vector, not {}{}", value.describe(),
-                                 best.empty() ? "" : fmt::format("; did you mean '{}'?", best)));
-        return false;
-    }
-};
 
 template <>
 struct ChoiceNames<Application> {
@@ -330,47 +253,10 @@ struct VdbRead {
 
     /// Finds files that can't be read or lack a grid before the run starts.
     static void survey(const Params& params, Survey& survey) {
-        Steadiness steadiness;
-        std::map<std::string, HeaderRegion> regions;
-        std::map<std::string, std::pair<std::size_t, std::string>>
-            several;  // place and name of the first taken grid that shares its name with others
-        survey_files(params.path, params.missing, survey, [&](int frame, int file) {
-            Contents contents(params.path.at(file), params.profile);
-            std::set<std::size_t> places;
-            for (const auto& [output, choice] : params.grids) {
-                if (!survey.wants(output)) continue;
-                const auto of_output = contents.places(output, choice);
-                if (const auto& grid = contents.header().grids[of_output.front()];
-                    contents.count(grid.name) > 1) {
-                    const std::pair named(of_output.front(), grid.unique_name);
-                    auto& first = several.try_emplace(grid.name, named).first->second;
-                    first = std::min(first, named);
-                }
-                places.insert(of_output.begin(), of_output.end());
-                for (const auto place : of_output)
-                    regions[output].add(contents.header().grids[place], placement_of(params));
-                survey.delivers(frame, output, {{{contents.name_of(of_output)}}, std::nullopt});
-            }
-            for (const auto& pick : survey.picks()) contents.require(pick);
-            const auto named = places;
-            if (survey.wants("volume")) {
-                std::vector<std::string> names;
-                for (std::size_t n = 0; n < contents.header().grids.size(); ++n) {
-                    places.insert(n);
-                    names.push_back(contents.header().grids[n].name);
-                }
-                survey.delivers(frame, "volume", {std::move(names), std::nullopt});
-            }
-            steadiness.look(contents.header(), places, frame, survey);
-            survey.expect(frame, memory_of(contents, places, named));
-        });
-        for (const auto& [name, first] : several)
-            survey.warn(
-                fmt::format("there are several grids '{}': energies see '{}', and all are carved "
-                            "by the same seams",
-                            name, first.second));
-        for (const auto& [output, of] : regions)
-            if (const auto region = of.region()) survey.lies(output, *region);
+        HeaderSurvey headers(params, survey);
+        survey_files(params.path, params.missing, survey,
+                     [&](int frame, int file) { headers.look(frame, file); });
+        headers.tell();
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
@@ -401,6 +287,66 @@ struct VdbRead {
     }
 
 private:
+    /// What the headers of a sequence say.
+    class HeaderSurvey {
+    public:
+        HeaderSurvey(const Params& params, Survey& survey) : params_(params), survey_(survey) {}
+
+        void look(int frame, int file) {
+            Contents contents(params_.path.at(file), params_.profile);
+            const auto named = look_at_outputs(contents, frame);
+            for (const auto& pick : survey_.picks()) contents.require(pick);
+            auto places = named;
+            if (survey_.wants("volume")) {
+                std::vector<std::string> names;
+                for (const auto& grid : contents.header().grids) {
+                    places.insert(names.size());
+                    names.push_back(grid.name);
+                }
+                survey_.delivers(frame, "volume", {std::move(names), std::nullopt});
+            }
+            steadiness_.look(contents.header(), places, frame, survey_);
+            survey_.expect(frame, memory_of(contents, places, named));
+        }
+        void tell() const {
+            for (const auto& [name, first] : several_)
+                survey_.warn(
+                    fmt::format("there are several grids '{}': energies see '{}', and all are "
+                                "carved by the same seams",
+                                name, first.second));
+            for (const auto& [output, of] : regions_)
+                if (const auto region = of.region()) survey_.lies(output, *region);
+        }
+
+    private:
+        /// @return indices in the header of the grids that outputs are made of
+        std::set<std::size_t> look_at_outputs(const Contents& contents, int frame) {
+            std::set<std::size_t> out;
+            for (const auto& [output, choice] : params_.grids) {
+                if (!survey_.wants(output)) continue;
+                const auto places = contents.places(output, choice);
+                if (const auto& grid = contents.header().grids[places.front()];
+                    contents.count(grid.name) > 1) {
+                    const std::pair named(places.front(), grid.unique_name);
+                    auto& first = several_.try_emplace(grid.name, named).first->second;
+                    first = std::min(first, named);
+                }
+                out.insert(places.begin(), places.end());
+                for (const auto place : places)
+                    regions_[output].add(contents.header().grids[place], placement_of(params_));
+                survey_.delivers(frame, output, {{{contents.name_of(places)}}, std::nullopt});
+            }
+            return out;
+        }
+
+        const Params& params_;
+        Survey& survey_;
+        Steadiness steadiness_;
+        std::map<std::string, HeaderRegion> regions_;
+        /// The first grid that is taken, of those of one name: its place and name.
+        std::map<std::string, std::pair<std::size_t, std::string>> several_;
+    };
+
     static Placement placement_of(const Params& params) {
         return {openvdb::Vec3d(params.translate[0], params.translate[1], params.translate[2]),
                 params.scale};

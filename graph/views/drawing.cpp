@@ -125,22 +125,40 @@ std::string legend(const Pipeline& pipeline, double& right) {
     return out;
 }
 
+/// @param looks  one per node, or none
+Layout laid_out(const Pipeline& pipeline, const std::vector<Connection>& links,
+                const std::vector<NodeLook>& looks) {
+    const bool plain = looks.empty();
+    Layout out;
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        const double note = plain ? 0 : text_width(looks[n].note, 11);
+        out.boxes.push_back(
+            {std::max({text_width(node.name, 13), text_width(node.type->name, 11), note}) + 20,
+             box_height + (plain ? 0 : note_height), 0, 0});
+    }
+    for (const auto& each : links) out.edges.push_back({each.from, each.to, {}});
+    out.place();
+    return out;
+}
+
+/// @param look  null: the node is coloured by rate
+std::string node_box(const Node& node, const Layout::Box& box, const NodeLook* look) {
+    auto out = fmt::format("<g class=\"node {}\"><title>{}</title>",
+                           look ? look->style : to_text(node.rate), xml_text(node.type->doc));
+    out += rounded(box.x, box.y, box.width, box.height, fill(node.rate), node.gathers ? 2.5 : 1);
+    out += label(box.x + 10, box.y + 19, 13, "bold", node.name) +
+           label(box.x + 10, box.y + 35, 11, "normal", node.type->name);
+    if (look) out += label(box.x + 10, box.y + 51, 11, "normal", look->note);
+    return out + "</g>\n";
+}
+
 /// @param looks  one per node; or none: nodes are then coloured by rate, with a legend
 std::string draw(const Pipeline& pipeline, const Registry& registry,
                  const std::vector<NodeLook>& looks) {
     const bool plain = looks.empty();
-    Layout layout;
-    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
-        const auto& node = pipeline.nodes[n];
-        const double note = plain ? 0 : text_width(looks[n].note, 11);
-        layout.boxes.push_back(
-            {std::max({text_width(node.name, 13), text_width(node.type->name, 11), note}) + 20,
-             box_height + (plain ? 0 : note_height), 0, 0});
-    }
     const auto links = connections(pipeline, registry);
-    for (const auto& each : links) layout.edges.push_back({each.from, each.to, {}});
-    layout.place();
-
+    const auto layout = laid_out(pipeline, links, looks);
     double right = 0;
     const auto chips = plain ? legend(pipeline, right) : std::string();
     const double top = plain ? 2 * margin + legend_height : margin;
@@ -161,18 +179,8 @@ std::string draw(const Pipeline& pipeline, const Registry& registry,
                         R"(<title>{}</title></path>)"
                         "\n",
                         path_of(layout.edges[n].route), line_colour, xml_text(links[n].text));
-    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
-        const auto& node = pipeline.nodes[n];
-        const auto& box = layout.boxes[n];
-        out += fmt::format("<g class=\"node {}\"><title>{}</title>",
-                           plain ? to_text(node.rate) : looks[n].style, xml_text(node.type->doc));
-        out +=
-            rounded(box.x, box.y, box.width, box.height, fill(node.rate), node.gathers ? 2.5 : 1);
-        out += label(box.x + 10, box.y + 19, 13, "bold", node.name) +
-               label(box.x + 10, box.y + 35, 11, "normal", node.type->name);
-        if (!plain) out += label(box.x + 10, box.y + 51, 11, "normal", looks[n].note);
-        out += "</g>\n";
-    }
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
+        out += node_box(pipeline.nodes[n], layout.boxes[n], plain ? nullptr : &looks[n]);
     return out + "</g>\n</svg>\n";
 }
 

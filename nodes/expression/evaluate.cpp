@@ -51,13 +51,14 @@ FloatTree::Ptr united_topology(const std::vector<NamedGrid>& grids) {
     return out;
 }
 
-}  // namespace
+using GridInputs = std::vector<std::pair<std::string, Ref<AnyGrid>>>;
+/// A place in a program's text, as messages name it.
+using PlaceText = std::function<std::string(int line, int column)>;
 
-FloatGrid::Ptr evaluated(const ExpressionModule& module, const CompiledExpression& program,
-                         const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
-                         const std::string& output, float least, std::uint64_t budget,
-                         const std::function<std::string(int line, int column)>& place) {
-    std::vector<NamedGrid> grids;
+/// The inputs in the form that a program reads. @throws Failure if it reads one as another kind
+std::vector<NamedGrid> readable_inputs(const CompiledExpression& program, const GridInputs& inputs,
+                                       std::uint64_t budget, const PlaceText& place) {
+    std::vector<NamedGrid> out;
     for (const auto& [name, any] : inputs) {
         const auto grid = readable(name, any->grid, budget);
         const auto read =
@@ -68,11 +69,21 @@ FloatGrid::Ptr evaluated(const ExpressionModule& module, const CompiledExpressio
                 "input '{0}' holds {1}, but {2} reads it as {3}@{0}; write {4}@{0}", name,
                 read->vector ? "numbers" : "vectors", place(read->line, read->column),
                 read->vector ? "v" : "", read->vector ? "" : "v"));
-        if (!grids.empty())
-            require_same_transform(fmt::format("inputs '{}' and '{}'", grids.front().first, name),
-                                   *grids.front().second, *grid);
-        grids.emplace_back(name, grid);
+        if (!out.empty())
+            require_same_transform(fmt::format("inputs '{}' and '{}'", out.front().first, name),
+                                   *out.front().second, *grid);
+        out.emplace_back(name, grid);
     }
+    return out;
+}
+
+}  // namespace
+
+FloatGrid::Ptr evaluated(const ExpressionModule& module, const CompiledExpression& program,
+                         const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
+                         const std::string& output, float least, std::uint64_t budget,
+                         const std::function<std::string(int line, int column)>& place) {
+    const auto grids = readable_inputs(program, inputs, budget, place);
     const auto out = FloatGrid::create(united_topology(grids));
     out->setTransform(grids.front().second->transform().copy());
     out->setName(output);

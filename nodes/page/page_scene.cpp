@@ -182,54 +182,85 @@ float background_of(const openvdb::GridBase& grid) {
                                     : static_cast<const VectorGrid&>(grid).background().length();
 }
 
-}  // namespace
-
-Json page_scene(const PageWish& wish, const std::vector<PageFrame>& frames) {
+void require_one_space(const std::string& grid, const std::vector<PageFrame>& frames) {
     const auto& first = frames.front();
     if (!first.before->transform().isLinear())
         throw Failure(fmt::format(
-            "grid '{}' lies in a frustum; a page shows grids with linear transforms", wish.grid));
+            "grid '{}' lies in a frustum; a page shows grids with linear transforms", grid));
     for (const auto& frame : frames)
         if (frame.before->transform() != first.before->transform())
             throw Failure(
                 fmt::format("grid '{}' has another transform in frame {} than in frame {}; a page "
                             "shows frames in one space",
-                            wish.grid, frame.number, first.number));
+                            grid, frame.number, first.number));
+}
+
+/// The voxels of a page that shows all frames.
+PageGrid page_of(const PageWish& wish, const std::vector<PageFrame>& frames) {
     const auto box = shown_box(frames);
     require_near(wish.grid, box);
     const bool flat = box.min().x() == box.max().x() || box.min().y() == box.max().y() ||
                       box.min().z() == box.max().z();
-    const auto page =
-        page_grid(first.before->transformPtr(), box, flat ? wish.flat_voxels : wish.voxels);
+    return page_grid(frames.front().before->transformPtr(), box,
+                     flat ? wish.flat_voxels : wish.voxels);
+}
 
-    Span seen, energy;
-    seen.add({background_of(*first.before)});
-    energy.add({0});
-    std::vector<std::vector<float>> values, energies;
-    for (const auto& frame : frames) {
-        values.push_back(page_values(*frame.before, page));
-        seen.add(values.back());
-        if (frame.energy) energy.add(energies.emplace_back(page_values(*frame.energy, page)));
+/// The grids and energies of all frames in page voxels, with one scale for each.
+class PageVolumes {
+public:
+    PageVolumes(const std::vector<PageFrame>& frames, const PageGrid& page)
+        : background_(background_of(*frames.front().before)) {
+        Span seen, energy;
+        seen.add({background_});
+        energy.add({0});
+        for (const auto& frame : frames) {
+            values_.push_back(page_values(*frame.before, page));
+            seen.add(values_.back());
+            if (frame.energy) energy.add(energies_.emplace_back(page_values(*frame.energy, page)));
+        }
+        if (seen.low == seen.high) seen.high += 1;
+        if (energy.high == 0) energy.high = 1;
+        // The inside of a level set is below 0: it is shown as what there is most of.
+        level_set_ = frames.front().before->getGridClass() == openvdb::GRID_LEVEL_SET;
+        from_ = level_set_ ? seen.high : seen.low;
+        to_ = level_set_ ? seen.low : seen.high;
+        energy_high_ = energy.high;
     }
-    if (seen.low == seen.high) seen.high += 1;
-    if (energy.high == 0) energy.high = 1;
-    // The inside of a level set is below 0: it is shown as the highest value.
-    const bool level_set = first.before->getGridClass() == openvdb::GRID_LEVEL_SET;
-    const auto [from, to] =
-        level_set ? std::pair(seen.high, seen.low) : std::pair(seen.low, seen.high);
+    bool level_set() const { return level_set_; }
+    /// The values of a grid that become 0 and 255.
+    Json range() const { return {from_, to_}; }
+    Json energy_range() const { return energies_.empty() ? Json() : Json{0, energy_high_}; }
+    std::uint8_t background() const {
+        return page_bytes(std::vector{background_}, from_, to_).front();
+    }
+    /// Appends the volumes of frame `n`, in the order of frames.
+    void append(std::vector<std::uint8_t>& bytes, std::size_t n) const {
+        append_differences(bytes, page_bytes(values_[n], from_, to_));
+        if (!energies_.empty())
+            append_differences(bytes, page_bytes(energies_[n], 0, energy_high_));
+    }
 
+private:
+    std::vector<std::vector<float>> values_, energies_;
+    bool level_set_ = false;
+    float background_, from_ = 0, to_ = 0, energy_high_ = 0;
+};
+
+/// What holds for all frames, but what they share.
+Json common_json(const PageWish& wish, const PageFrame& first, const PageGrid& page,
+                 const PageVolumes& volumes) {
     Json out;
     out["title"] = wish.title;
     out["grid"] = wish.grid;
-    out["levelSet"] = level_set;
+    out["levelSet"] = volumes.level_set();
     out["size"] = page.size;
     out["step"] = page.step;
     out["first"] = {page.first.x(), page.first.y(), page.first.z()};
     out["world"] = {to_json(page.world(Vec3d(0))), to_json(page.world({1, 0, 0})),
                     to_json(page.world({0, 1, 0})), to_json(page.world({0, 0, 1}))};
-    out["range"] = {from, to};
-    out["background"] = page_bytes(std::vector{background_of(*first.before)}, from, to).front();
-    out["energyRange"] = first.energy ? Json{0, energy.high} : Json();
+    out["range"] = volumes.range();
+    out["background"] = volumes.background();
+    out["energyRange"] = volumes.energy_range();
     out["setting"] = wish.setting;
     out["count"] = wish.count;
     out["softness"] = {
@@ -238,53 +269,83 @@ Json page_scene(const PageWish& wish, const std::vector<PageFrame>& frames) {
     for (const auto& [name, mask] : first.masks) out["masks"].push_back(name);
     out["sets"] = Json::array();
     for (const auto& set : first.seams) out["sets"].push_back(set_json(*set));
+    return out;
+}
 
-    Shared lattices, rigs, seams;
-    Json list = Json::array();
-    for (std::size_t n = 0; n < frames.size(); ++n) {
-        const auto& frame = frames[n];
-        Json each{{"number", frame.number},
-                  {"lattice", nullptr},
-                  {"rig", nullptr},
-                  {"seams", Json::array()}};
+/// Frames as a page's script reads them, and the lattices, rigs and seams that they share.
+class FrameWriter {
+public:
+    /// @param soft_time  frames by which the carve is soft (Softness)
+    FrameWriter(const PageGrid& page, const PageVolumes& volumes, double soft_time)
+        : page_(page), volumes_(volumes), reach_(static_cast<int>(std::ceil(soft_time))) {}
+
+    /// Adds frame `n`, in the order of frames.
+    void add(const PageFrame& frame, std::size_t n) {
+        Json out{{"number", frame.number},
+                 {"lattice", nullptr},
+                 {"rig", nullptr},
+                 {"seams", Json::array()}};
         if (frame.lattice)
-            each["lattice"] = lattices.number(frame.lattice->hash, [&] {
-                return lattice_json(*frame.lattice, frame.seams, page);
+            out["lattice"] = lattices_.number(frame.lattice->hash, [&] {
+                return lattice_json(*frame.lattice, frame.seams, page_);
             });
         if (frame.rig) {
-            const auto rig = rig_json(*frame.rig, page);
-            each["rig"] = rigs.number(rig.dump(), [&] { return rig; });
+            const auto rig = rig_json(*frame.rig, page_);
+            out["rig"] = rigs_.number(rig.dump(), [&] { return rig; });
         }
-        if (!frame.seams.empty()) {
-            // The neighbours in time, this frame in the middle; at an end of the sequence the last
-            // one again (soften()).
-            const auto& numbers = frame.seams.front()->frames;
-            const int reach = static_cast<int>(std::ceil(wish.softness.frames)),
-                      last = static_cast<int>(numbers.size()) - 1;
-            const auto place = static_cast<int>(
-                std::find(numbers.begin(), numbers.end(), frame.number) - numbers.begin());
-            for (int by = -reach; by <= reach; ++by) {
-                const int number =
-                    numbers[static_cast<std::size_t>(std::clamp(place + by, 0, last))];
-                each["seams"].push_back(seams.number(std::to_string(number), [&] {
-                    std::vector<std::uint8_t> bytes;
-                    append_differences(bytes, original_entries(frame.seams, number));
-                    return packed(bytes);
-                }));
-            }
-        }
+        if (!frame.seams.empty()) out["seams"] = seams_around(frame);
         std::vector<std::uint8_t> bytes;
-        append_differences(bytes, page_bytes(values[n], from, to));
-        if (frame.energy) append_differences(bytes, page_bytes(energies[n], 0, energy.high));
+        volumes_.append(bytes, n);
         for (const auto& [name, mask] : frame.masks)
-            append_differences(bytes, page_mask(*mask, page));
-        each["voxels"] = packed(bytes);
-        list.push_back(std::move(each));
+            append_differences(bytes, page_mask(*mask, page_));
+        out["voxels"] = packed(bytes);
+        list_.push_back(std::move(out));
     }
-    out["lattices"] = lattices.take();
-    out["rigs"] = rigs.take();
-    out["seams"] = seams.take();
-    out["frames"] = std::move(list);
+    /// Hands over all that was added.
+    void finish(Json& out) {
+        out["lattices"] = lattices_.take();
+        out["rigs"] = rigs_.take();
+        out["seams"] = seams_.take();
+        out["frames"] = std::move(list_);
+    }
+
+private:
+    /// Numbers of the neighbours' seams in time, this frame in the middle; at an end of the
+    /// sequence the last one again (soften()).
+    Json seams_around(const PageFrame& frame) {
+        Json out = Json::array();
+        const auto& numbers = frame.seams.front()->frames;
+        const int last = static_cast<int>(numbers.size()) - 1;
+        const auto place = static_cast<int>(
+            std::find(numbers.begin(), numbers.end(), frame.number) - numbers.begin());
+        for (int by = -reach_; by <= reach_; ++by) {
+            const int number = numbers[static_cast<std::size_t>(std::clamp(place + by, 0, last))];
+            out.push_back(seams_.number(std::to_string(number), [&] {
+                std::vector<std::uint8_t> bytes;
+                append_differences(bytes, original_entries(frame.seams, number));
+                return packed(bytes);
+            }));
+        }
+        return out;
+    }
+
+    const PageGrid& page_;
+    const PageVolumes& volumes_;
+    int reach_;
+    Shared lattices_, rigs_, seams_;
+    Json list_ = Json::array();
+};
+
+}  // namespace
+
+Json page_scene(const PageWish& wish, const std::vector<PageFrame>& frames) {
+    require_one_space(wish.grid, frames);
+    const auto page = page_of(wish, frames);
+    const PageVolumes volumes(frames, page);
+    auto out = common_json(wish, frames.front(), page, volumes);
+    FrameWriter writer(page, volumes, wish.softness.frames);
+    for (std::size_t n = 0; n < frames.size(); ++n) writer.add(frames[n], n);
+    writer.finish(out);
     return out;
 }
 

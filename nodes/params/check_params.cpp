@@ -51,11 +51,7 @@ void check_in_time(const SolverParams& params, NodeCheck& check) {
                     "as it is; carve frames by one remap.grids, and what it gives in space");
 }
 
-}  // namespace
-
-void check_params(const SolverParams& params, NodeCheck& check) {
-    check_anchor(params.anchor, check);
-    if (params.axis == Axis::t) check_in_time(params, check);
+void check_windows(const SolverParams& params, NodeCheck& check) {
     if (params.pair_window && check.stated("anchor"))
         check.fault("anchor", "pairs of seams move neither end of the lattice: leave 'anchor' out");
     if (params.pair_window && !params.window)
@@ -69,9 +65,10 @@ void check_params(const SolverParams& params, NodeCheck& check) {
             check.fault("pair_window", *fault);
     if (params.pair_static && !params.pair_window)
         check.fault("pair_static", "parameter 'pair_static' needs a 'pair_window'");
-    const bool field = check.connections("field") > 0,
-               forward =
-                   params.cost.value_or(field ? Cost::forward : Cost::backward) == Cost::forward;
+}
+
+/// @param forward  whether costs are those of the edges that seams leave behind
+void check_field(bool forward, bool field, NodeCheck& check) {
     if (forward && !field)
         check.fault(
             "cost",
@@ -86,6 +83,9 @@ void check_params(const SolverParams& params, NodeCheck& check) {
                 name,
                 fmt::format("parameter '{}' needs a `field`, in which content and edges are seen",
                             name));
+}
+
+void check_thick(const SolverParams& params, bool field, NodeCheck& check) {
     const int thickness = params.thickness.value_or(1);
     if (thickness > 1 && !field)
         check.fault("thickness",
@@ -96,22 +96,40 @@ void check_params(const SolverParams& params, NodeCheck& check) {
                 name,
                 fmt::format("parameter '{}' serves thin seams: leave it out, or set `thickness: 1`",
                             name));
-    for (const auto& [name, of] :
-         {std::pair("window", window), std::pair("pair_window", pair_window)})
+    for (const auto& [name, of] : {std::pair("window", vertices_of(params.window)),
+                                   std::pair("pair_window", vertices_of(params.pair_window))})
         if (of && thickness > of->size())
             check.fault("thickness", fmt::format("thickness {} is wider than {} [{}, {}], which "
                                                  "has {} vertices; lower it, or widen the window",
                                                  thickness, name, of->first, of->last, of->size()));
-    if (forward && thickness == 1 && window && pair_window &&
-        pair_window->first == window->last + 1)
+}
+
+/// What makes no sense for thin seams whose costs are those of edges in the field.
+void check_thin(const SolverParams& params, NodeCheck& check) {
+    const auto window = vertices_of(params.window), pair_window = vertices_of(params.pair_window);
+    if (window && pair_window && pair_window->first == window->last + 1)
         check.fault("pair_window",
                     "with a `field` there must be a vertex between window and pair_window, since a "
                     "seam at the end of one changes the edges of the other");
-    if (forward && thickness == 1 && (params.static_ || params.pair_static))
+    if (params.static_ || params.pair_static)
         check.fault(params.static_ ? "static" : "pair_static",
                     "with a `field` the costs of thin seams are counted frame by frame, and no "
                     "static ones are found; state a `thickness`, or leave the field "
                     "out");
+}
+
+}  // namespace
+
+void check_params(const SolverParams& params, NodeCheck& check) {
+    check_anchor(params.anchor, check);
+    if (params.axis == Axis::t) check_in_time(params, check);
+    check_windows(params, check);
+    const bool field = check.connections("field") > 0;
+    const bool forward =
+        params.cost.value_or(field ? Cost::forward : Cost::backward) == Cost::forward;
+    check_field(forward, field, check);
+    check_thick(params, field, check);
+    if (forward && params.thickness.value_or(1) == 1) check_thin(params, check);
 }
 
 }  // namespace fluidcarve

@@ -37,6 +37,29 @@ int held(const InputPath& path, const std::vector<int>& frames, int frame) {
     return after == frames.end() ? frame : *after;
 }
 
+/// Tells that no frame's file is there.
+void tell_none(const InputPath& path, Survey& survey) {
+    const auto& frames = survey.frames();
+    const auto needed =
+        std::find_if(frames.begin(), frames.end(), [&](int frame) { return survey.needs(frame); });
+    const auto first = needed == frames.end() ? frames.front() : *needed;
+    // A relative path was looked for beside its pipeline, then in the current folder.
+    const auto file = path.at(first), here = PathPattern(path.text()).at(first);
+    survey.missing(
+        first,
+        fmt::format(
+            "{} does not exist{}{}", file,
+            same_place(file, here) ? "" : fmt::format(", nor does {} in the current folder", here),
+            frames.size() == 1 || !path.per_frame() ? "" : ", nor does any other frame"));
+}
+
+/// The last frame up to this one whose file is there, else the first.
+/// @param present  rising, not empty
+int file_for(const std::vector<int>& present, int frame) {
+    const auto after = std::upper_bound(present.begin(), present.end(), frame);
+    return after == present.begin() ? *after : *std::prev(after);
+}
+
 }  // namespace
 
 void check_missing(const InputPath& path, Missing missing, NodeCheck& check) {
@@ -52,20 +75,7 @@ void survey_files(const InputPath& path, Missing missing, Survey& survey,
     std::vector<int> present;
     std::copy_if(frames.begin(), frames.end(), std::back_inserter(present),
                  [&](int frame) { return there(path, frame); });
-    if (present.empty() && !frames.empty()) {
-        const auto needed = std::find_if(frames.begin(), frames.end(),
-                                         [&](int frame) { return survey.needs(frame); });
-        const auto first = needed == frames.end() ? frames.front() : *needed;
-        // A relative path was looked for beside its pipeline, then in the current folder.
-        const auto file = path.at(first), here = PathPattern(path.text()).at(first);
-        return survey.missing(
-            first,
-            fmt::format(
-                "{} does not exist{}{}", file,
-                same_place(file, here) ? ""
-                                       : fmt::format(", nor does {} in the current folder", here),
-                frames.size() == 1 || !path.per_frame() ? "" : ", nor does any other frame"));
-    }
+    if (present.empty() && !frames.empty()) return tell_none(path, survey);
     const auto look_at = [&](int frame, int file) {
         if (!survey.needs(frame)) return;
         try {
@@ -76,10 +86,7 @@ void survey_files(const InputPath& path, Missing missing, Survey& survey,
     };
     std::optional<int> stood_in;  // the stand-in of the previous frame, already looked at
     for (const int frame : frames) {
-        const auto after = std::lower_bound(present.begin(), present.end(), frame);
-        const int file = after != present.end() && (*after == frame || after == present.begin())
-                             ? *after
-                             : *std::prev(after);
+        const int file = file_for(present, frame);
         if (file == frame) {
             look_at(frame, file);
         } else if (missing == Missing::skip) {

@@ -62,16 +62,39 @@ void require_squeezable(const std::string& name, const Window& window, double sq
                     window.size() - 1, name == "window" ? " or widen the window" : " or widen it"));
 }
 
+/// Requires that all windows have room for an amount, and the lattice, too.
+/// @param size  vertices along the axis
+void require_room(const WarpParams& params, int size, double amount, const std::string& where) {
+    require_squeezable("window", window_of(params.window, size), -amount, where);
+    if (const auto& pair = params.pair_window) {
+        const double each = pair->below ? amount / 2 : amount;
+        require_squeezable("pair_window", pair->above.of(size), each, where);
+        if (pair->below) require_squeezable("pair_window", pair->below->of(size), each, where);
+    } else if (size + amount > most_vertices) {
+        throw Failure(
+            fmt::format("an amount of {:.6g}{} makes more than {} vertices along {}; ask for less",
+                        amount, where, most_vertices, to_text(params.axis)));
+    }
+}
+
+/// Requires that the amounts of a ring meet.
+void require_ring(const WarpAmount& amount, int frame, int size) {
+    const double first = amount.at(0, frame, size), last = amount.at(1, frame, size);
+    if (std::abs(first - last) > most_gap)
+        throw Failure(
+            fmt::format("the lattice is closed, but 'amount' is {:.6g} where it begins and "
+                        "{:.6g} where it ends, which is the same plane, in frame {}; give the "
+                        "curve the same amount at 0 and at 1",
+                        first, last, frame));
+}
+
 std::optional<std::string> one_vertex(const std::string& name, const Window& window) {
     if (window.size() > 1) return std::nullopt;
     return fmt::format("{} [{}, {}] has one vertex; a warp needs at least two", name, window.first,
                        window.last);
 }
 
-}  // namespace
-
-void check_params(const WarpParams& params, NodeCheck& check) {
-    check_anchor(params.anchor, check);
+void check_windows(const WarpParams& params, NodeCheck& check) {
     if (params.pair_window && check.stated("anchor"))
         check.fault("anchor",
                     "with a 'pair_window' neither end of the lattice moves: leave 'anchor' out");
@@ -84,6 +107,10 @@ void check_params(const WarpParams& params, NodeCheck& check) {
     if (const auto fault =
             places_fault(params, [](const VertexRange& range) { return range.vertices(); }))
         check.fault("pair_window", *fault);
+}
+
+/// Where the amount is stated, and of what kind it is.
+void check_amount(const WarpParams& params, NodeCheck& check) {
     const bool from_file = !params.amount_file.text().empty();
     if (!params.amount && !from_file)
         check.fault("amount",
@@ -109,6 +136,10 @@ void check_params(const WarpParams& params, NodeCheck& check) {
         check.fault("amount_file",
                     "parameter 'amount_file' can't have a frame token: one file holds the amounts "
                     "of all frames, in a column 'time'");
+}
+
+/// Whether the amount goes with the axis, and with what is static.
+void check_curve(const WarpParams& params, NodeCheck& check) {
     if (params.static_ && params.amount && params.amount->varies_along(WarpAmount::Along::time))
         check.fault("static",
                     "a static warp is the same in all frames, but 'amount' changes over time; "
@@ -122,6 +153,15 @@ void check_params(const WarpParams& params, NodeCheck& check) {
         check.fault("amount",
                     "'amount' changes along w, which is the axis that is warped; state one amount, "
                     "or let it change over time");
+}
+
+}  // namespace
+
+void check_params(const WarpParams& params, NodeCheck& check) {
+    check_anchor(params.anchor, check);
+    check_windows(params, check);
+    check_amount(params, check);
+    check_curve(params, check);
     if (params.factor && *params.factor != 1 && *params.factor != 2 && *params.factor != 4)
         check.fault("factor", fmt::format("parameter 'factor' must be auto, 1, 2 or 4, not {}",
                                           *params.factor));
@@ -178,31 +218,15 @@ void require_fits(const WarpParams& params, const WarpAmount& amount,
     if (size < 2)
         throw Failure(fmt::format("a warp needs two vertices along {}{}, but there is one",
                                   to_text(params.axis), space));
-    const bool ring = closed && amount.varies_along(WarpAmount::Along::w);
     for (const int frame : frames) {
         for (int k = 0; k < shape[2]; ++k) {
             const double wanted = amount.at(place_along(k, shape[2], closed), frame, size);
-            const auto where =
-                amount.varies() ? fmt::format(" at plane {} in frame {}", k, frame) : std::string();
-            require_squeezable("window", window_of(params.window, size), -wanted, where);
-            if (const auto& pair = params.pair_window) {
-                const double each = pair->below ? wanted / 2 : wanted;
-                require_squeezable("pair_window", pair->above.of(size), each, where);
-                if (pair->below)
-                    require_squeezable("pair_window", pair->below->of(size), each, where);
-            } else if (size + wanted > most_vertices)
-                throw Failure(fmt::format(
-                    "an amount of {:.6g}{} makes more than {} vertices along {}; ask for less",
-                    wanted, where, most_vertices, to_text(params.axis)));
+            require_room(params, size, wanted,
+                         amount.varies() ? fmt::format(" at plane {} in frame {}", k, frame)
+                                         : std::string());
             if (!amount.varies_along(WarpAmount::Along::w)) break;
         }
-        const double first = amount.at(0, frame, size), last = amount.at(1, frame, size);
-        if (ring && std::abs(first - last) > most_gap)
-            throw Failure(
-                fmt::format("the lattice is closed, but 'amount' is {:.6g} where it begins and "
-                            "{:.6g} where it ends, which is the same plane, in frame {}; give the "
-                            "curve the same amount at 0 and at 1",
-                            first, last, frame));
+        if (closed && amount.varies_along(WarpAmount::Along::w)) require_ring(amount, frame, size);
         if (!amount.varies_along(WarpAmount::Along::time)) break;
     }
 }

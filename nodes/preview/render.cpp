@@ -209,6 +209,46 @@ struct Glow {
     double fire = 0;
     double smoke = 0;
 };
+
+/// Gathers the light of the fire along rays.
+class GlowRays {
+public:
+    /// @param smoke, light  of the fire in the smoke; null: there is no smoke
+    GlowRays(const FloatGrid& fire, const FloatGrid* smoke, const FloatGrid* light,
+             const ViewWindow& window, double gain)
+        : fire_(fire.getConstAccessor()),
+          smoke_((smoke ? *smoke : fire).getConstAccessor()),
+          light_((light ? *light : fire).getConstAccessor()),
+          smokes_(smoke),
+          mean_side_(window.mean_side),
+          step_(window.step()),
+          gain_(gain) {}
+
+    /// @param spans  of the ray, in which there may be something
+    Glow along(const Intersector::RayType& ray,
+               const std::vector<Intersector::RayType::TimeSpan>& spans) const {
+        double through = 1, heat = 0, scattered = 0;
+        for (const auto& span : spans)
+            for (double at = step_ * std::ceil(span.t0 / step_); at < span.t1 && through > hidden;
+                 at += step_) {
+                const auto place = ray(at);
+                const double flame = BoxSampler::sample(fire_, place);
+                heat += through * flame * flame * fire_depth / mean_side_ * step_;
+                if (!smokes_) continue;
+                const double stays =
+                    std::exp(-smoke_depth / mean_side_ * step_ * BoxSampler::sample(smoke_, place));
+                scattered += through * (1 - stays) * BoxSampler::sample(light_, place);
+                through *= stays;
+            }
+        return {1 - std::exp(-gain_ * heat), fire_light * scattered};
+    }
+
+private:
+    FloatGrid::ConstAccessor fire_, smoke_, light_;
+    bool smokes_;
+    double mean_side_, step_, gain_;
+};
+
 std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const ViewWindow& window,
                        double gain) {
     Film film(window.width, window.height);
@@ -216,36 +256,18 @@ std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const View
     FloatGrid::ConstPtr light;
     if (smoke) light = fire_light_in(fire, *smoke, window.mean_side);
     const Intersector whole(light ? *light : fire, 1);
-    const double step = window.step();
     std::vector<Glow> out(film.numPixels());
     tbb::parallel_for(
         tbb::blocked_range<int>(0, window.height), [&](const tbb::blocked_range<int>& rows) {
             Intersector hits(whole);
-            const auto fire_values = fire.getConstAccessor();
-            const auto smoke_values = (smoke ? *smoke : fire).getConstAccessor();
-            const auto light_values = (light ? *light : fire).getConstAccessor();
+            const GlowRays rays(fire, smoke, light.get(), window, gain);
             std::vector<Intersector::RayType::TimeSpan> spans;
             for (int y = rows.begin(); y < rows.end(); ++y)
                 for (int x = 0; x < window.width; ++x) {
                     const auto ray = camera.getRay(x, y);
                     if (!hits.setIndexRay(ray)) continue;
                     hits.hits(spans);
-                    double through = 1, heat = 0, scattered = 0;
-                    for (const auto& span : spans)
-                        for (double at = step * std::ceil(span.t0 / step);
-                             at < span.t1 && through > hidden; at += step) {
-                            const auto place = ray(at);
-                            const double flame = BoxSampler::sample(fire_values, place);
-                            heat += through * flame * flame * fire_depth / window.mean_side * step;
-                            if (!smoke) continue;
-                            const double stays = std::exp(-smoke_depth / window.mean_side * step *
-                                                          BoxSampler::sample(smoke_values, place));
-                            scattered +=
-                                through * (1 - stays) * BoxSampler::sample(light_values, place);
-                            through *= stays;
-                        }
-                    out[static_cast<std::size_t>(y) * window.width + x] = {
-                        1 - std::exp(-gain * heat), fire_light * scattered};
+                    out[static_cast<std::size_t>(y) * window.width + x] = rays.along(ray, spans);
                 }
         });
     return out;

@@ -124,55 +124,12 @@ struct Sheet {
 
     static void check(const Params& params, NodeCheck& check) {
         if (const auto fault = drawing_fault(); !fault.empty()) check.fault("", fault);
-        const auto connected = [&](const char* input) { return check.connections(input) > 0; };
-        if (connected("seams") && !connected("energy"))
-            check.fault("seams", "'seams' are drawn over 'energy'; connect it too");
-        if (connected("seams") && !connected("lattice"))
-            check.fault("seams", "'seams' needs 'lattice', in which they were found");
-        if (connected("lattice") && !connected("seams") && !params.overlay.has(Overlay::lattice))
-            check.fault("lattice",
-                        "'lattice' is for 'seams', or to be drawn: connect 'seams', or state "
-                        "'overlay: [lattice]'");
-        if (connected("rig") && !params.overlay.has(Overlay::rig))
-            check.fault("rig", "'rig' is to be drawn: state 'overlay: [rig]', or leave 'rig' out");
-        if (check.stated("overlay"))
-            for (const auto each : params.overlay.all)
-                if (const auto name = ParamTraits<Overlay>::text(each); !connected(name.c_str()))
-                    check.fault("overlay", fmt::format("'overlay' names '{0}', but the input '{0}' "
-                                                       "is not connected; connect it",
-                                                       name));
+        check_lines(params, check);
         const auto shows = shows_of(params.show);
-        const auto count = [&](SheetWish::Show how) {
-            return std::count(shows.begin(), shows.end(), how);
-        };
-        if (shows.empty())
-            check.fault("show", "'show' names nothing; name 'render', 'maximum' or 'slice'");
-        for (const auto& [name, how] : {std::pair{"maximum", SheetWish::Show::maximum},
-                                        std::pair{"slice", SheetWish::Show::slice},
-                                        std::pair{"render", SheetWish::Show::render}})
-            if (count(how) > 1)
-                check.fault(
-                    "show",
-                    fmt::format("'show' names '{}' twice; 'both' is 'maximum' and 'slice'", name));
+        check_rows(shows, check);
         if (check.stated("path") && ending_of(params.path.text()) != ".png")
             check.fault("path", "'path' must end in .png; a sheet is a PNG file");
-        if (check.stated("difference") && !connected("after"))
-            check.fault(
-                "difference",
-                "'difference' compares 'before' with 'after', but 'after' is not connected");
-        const auto renders = static_cast<std::size_t>(count(SheetWish::Show::render));
-        if (check.stated("exposure") && renders == 0)
-            check.fault("exposure",
-                        "'exposure' is for renders; choose 'show: render', or leave it out");
-        if (check.stated("difference") && params.difference && renders > 0 &&
-            renders == shows.size())
-            check.fault("difference",
-                        "'show: render' has no difference; leave 'difference' out, or choose "
-                        "'show: maximum'");
-        if (check.stated("slice") && count(SheetWish::Show::slice) == 0 && !connected("energy"))
-            check.fault("slice",
-                        "nothing is sliced: 'slice' needs a connected 'energy', 'show: slice' or "
-                        "'show: both'");
+        check_use(params, shows, check);
     }
 
     /// Reports a missing grid before the run starts.
@@ -230,6 +187,64 @@ struct Sheet {
     }
 
 private:
+    using Shows = std::vector<SheetWish::Show>;
+
+    static std::size_t number_of(SheetWish::Show how, const Shows& shows) {
+        return static_cast<std::size_t>(std::count(shows.begin(), shows.end(), how));
+    }
+    /// Inputs that are drawn as lines.
+    static void check_lines(const Params& params, NodeCheck& check) {
+        const auto connected = [&](const char* input) { return check.connections(input) > 0; };
+        if (connected("seams") && !connected("energy"))
+            check.fault("seams", "'seams' are drawn over 'energy'; connect it too");
+        if (connected("seams") && !connected("lattice"))
+            check.fault("seams", "'seams' needs 'lattice', in which they were found");
+        if (connected("lattice") && !connected("seams") && !params.overlay.has(Overlay::lattice))
+            check.fault("lattice",
+                        "'lattice' is for 'seams', or to be drawn: connect 'seams', or state "
+                        "'overlay: [lattice]'");
+        if (connected("rig") && !params.overlay.has(Overlay::rig))
+            check.fault("rig", "'rig' is to be drawn: state 'overlay: [rig]', or leave 'rig' out");
+        if (check.stated("overlay"))
+            for (const auto each : params.overlay.all)
+                if (const auto name = ParamTraits<Overlay>::text(each); !connected(name.c_str()))
+                    check.fault("overlay", fmt::format("'overlay' names '{0}', but the input '{0}' "
+                                                       "is not connected; connect it",
+                                                       name));
+    }
+    static void check_rows(const Shows& shows, NodeCheck& check) {
+        if (shows.empty())
+            check.fault("show", "'show' names nothing; name 'render', 'maximum' or 'slice'");
+        for (const auto& [name, how] : {std::pair{"maximum", SheetWish::Show::maximum},
+                                        std::pair{"slice", SheetWish::Show::slice},
+                                        std::pair{"render", SheetWish::Show::render}})
+            if (number_of(how, shows) > 1)
+                check.fault(
+                    "show",
+                    fmt::format("'show' names '{}' twice; 'both' is 'maximum' and 'slice'", name));
+    }
+    /// Parameters that the rows do not use.
+    static void check_use(const Params& params, const Shows& shows, NodeCheck& check) {
+        const auto renders = number_of(SheetWish::Show::render, shows);
+        if (check.stated("difference") && check.connections("after") == 0)
+            check.fault(
+                "difference",
+                "'difference' compares 'before' with 'after', but 'after' is not connected");
+        if (check.stated("exposure") && renders == 0)
+            check.fault("exposure",
+                        "'exposure' is for renders; choose 'show: render', or leave it out");
+        if (check.stated("difference") && params.difference && renders > 0 &&
+            renders == shows.size())
+            check.fault("difference",
+                        "'show: render' has no difference; leave 'difference' out, or choose "
+                        "'show: maximum'");
+        if (check.stated("slice") && number_of(SheetWish::Show::slice, shows) == 0 &&
+            check.connections("energy") == 0)
+            check.fault("slice",
+                        "nothing is sliced: 'slice' needs a connected 'energy', 'show: slice' or "
+                        "'show: both'");
+    }
+
     static SheetWish wish_of(const Params& params, const Context& context) {
         SheetWish out;
         out.grid = params.grid;

@@ -25,6 +25,28 @@ Projection typed(const Body& body, const openvdb::GridBase& first, const Grids&.
     return body(static_cast<const VectorGrid&>(first), static_cast<const VectorGrid&>(others)...);
 }
 
+/// Draws the highest values of a grid along the view.
+void draw_maximum(const openvdb::GridBase& grid, View view, const openvdb::CoordBBox& box,
+                  SheetPanel& out) {
+    if (box.empty()) out.note = "no active voxels";
+    else
+        out.projection =
+            typed([&](const auto& each) { return maximum_projection(each, view, box); }, grid);
+}
+
+/// Draws the largest differences along the view.
+void draw_change(const openvdb::GridBase& before, const openvdb::GridBase& after, View view,
+                 const openvdb::CoordBBox& box, SheetPanel& out) {
+    if (!box.empty())
+        out.projection =
+            typed([&](const auto& a, const auto& b) { return largest_difference(a, b, view, box); },
+                  before, after);
+    const auto& values = out.projection.values;
+    if (std::none_of(values.begin(), values.end(),
+                     [](float value) { return value < 0 || value > 0; }))
+        out.note = "no difference";
+}
+
 std::string size_text(const openvdb::CoordBBox& box) {
     if (box.empty()) return {};
     const auto [x, y, z] = extents_of(box);
@@ -142,10 +164,7 @@ SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<
         if (kind.how != Show::slice || wish_.shows.size() == 1) out.caption = size_text(active);
         if (!active.empty()) out.active = face_of(active, view);
         if (kind.how == Show::render) return;
-        if (box.empty()) out.note = "no active voxels";
-        else
-            out.projection =
-                typed([&](const auto& each) { return maximum_projection(each, view, box); }, grid);
+        draw_maximum(grid, view, box, out);
     };
     switch (kind.what) {
         case Kind::What::before: show(*data.before, before); break;
@@ -156,16 +175,7 @@ SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<
         case Kind::What::difference: {
             auto both = before;
             if (!after.empty()) both.expand(after);
-            const auto box = part(both);
-            if (!box.empty())
-                out.projection =
-                    typed([&](const auto& a,
-                              const auto& b) { return largest_difference(a, b, view, box); },
-                          *data.before, *data.after);
-            const auto& values = out.projection.values;
-            if (std::none_of(values.begin(), values.end(),
-                             [](float value) { return value < 0 || value > 0; }))
-                out.note = "no difference";
+            draw_change(*data.before, *data.after, view, part(both), out);
             break;
         }
         case Kind::What::energy:

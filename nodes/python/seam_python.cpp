@@ -66,61 +66,87 @@ std::string fault_of_seam(const std::vector<std::uint16_t>& at, const float* cos
     return {};
 }
 
+/// One call of a script's function `seam`: what it is given, and what it answers.
+class SeamCall {
+public:
+    SeamCall(const PythonParams& params, const EnergyVolume& energy, Window window)
+        : energy_(energy),
+          window_(window),
+          vertices_{window.first, window.last + energy.seen().width() - energy.width()},
+          columns_(energy),
+          entries_(columns_.count() * static_cast<std::size_t>(window.size())),
+          in_field_(script_takes(params, "field") && energy.seen().has_field()
+                        ? columns_.count() * static_cast<std::size_t>(vertices_.size())
+                        : 0) {}
+
+    void require_room(std::uint64_t budget) const {
+        if (!grid_fits(static_cast<double>(bytes()), budget))
+            throw Failure(
+                fmt::format("the energy has {} entries, more than --memory allows; raise "
+                            "it, or state `finest: 2`",
+                            entries_));
+    }
+    /// Writes the arrays. @return where they are
+    Json give(Worker& worker) const {
+        auto* const to = reinterpret_cast<float*>(worker.given.grown(bytes()));
+        auto* const behind = energy_.summed() ? write_costs<float>(energy_, window_, to)
+                                              : write_costs<std::uint16_t>(energy_, window_, to);
+        Json arrays{{"energy", array(0, window_.size())}};
+        if (in_field_ > 0) {
+            write_field(energy_.seen(), vertices_, behind);
+            arrays["field"] = array(entries_, vertices_.size());
+        }
+        return Json{{"wants", "entries"}, {"bytes", worker.given.size()}, {"arrays", arrays}};
+    }
+    void take(Worker& worker) {
+        at_.resize(columns_.count());
+        const auto* const found = reinterpret_cast<const std::int32_t*>(
+            worker.answered.seen(at_.size() * sizeof(std::int32_t)));
+        for (std::size_t n = 0; n < at_.size() && fault_.empty(); ++n) {
+            if (found[n] < 0 || found[n] >= window_.size())
+                fault_ = fmt::format("entry {} at {} is not from 0 to {}", found[n],
+                                     place_text(columns_, n), window_.size() - 1);
+            at_[n] = static_cast<std::uint16_t>(found[n] + window_.first);
+        }
+        if (fault_.empty())
+            fault_ = fault_of_seam(at_, reinterpret_cast<const float*>(worker.given.grown(0)),
+                                   window_, columns_);
+    }
+    /// What is wrong with the answer; empty: nothing.
+    const std::string& fault() const { return fault_; }
+    Seams::Seam seam() && {
+        const auto sum = energy_of(energy_, at_);
+        return {std::move(at_), sum};
+    }
+
+private:
+    std::size_t bytes() const { return (entries_ + in_field_) * sizeof(float); }
+    Json array(std::size_t at, int last) const {
+        return Json{{"at", at * sizeof(float)},
+                    {"type", "float32"},
+                    {"shape", {columns_.frames(), columns_.slices(), columns_.laterals(), last}}};
+    }
+
+    const EnergyVolume& energy_;
+    Window window_;
+    Window vertices_;  ///< a slab is at its first vertex; behind the last are those that it holds
+    Columns columns_;
+    std::size_t entries_, in_field_;  ///< numbers handed over
+    std::vector<std::uint16_t> at_;   ///< the seam
+    std::string fault_;
+};
+
 Seams::Seam seam_of_script(const PythonParams& params, const EnergyVolume& energy, Window window,
                            Context& context) {
-    const Columns columns(energy);
-    const auto width = static_cast<std::size_t>(window.size()), entries = columns.count() * width;
-    // An entry is the first vertex of a slab; the slab's other vertices lie behind it.
-    const auto& seen = energy.seen();
-    const Window vertices{window.first, window.last + seen.width() - energy.width()};
-    const auto in_field = script_takes(params, "field") && seen.has_field()
-                              ? columns.count() * static_cast<std::size_t>(vertices.size())
-                              : 0;
-    if (!grid_fits(static_cast<double>((entries + in_field) * sizeof(float)),
-                   context.memory_budget()))
-        throw Failure(fmt::format(
-            "the energy has {} entries, more than --memory allows; raise it, or state `finest: 2`",
-            entries));
-    std::vector<std::uint16_t> at(columns.count());
-    std::string fault;
+    SeamCall call(params, energy, window);
+    call.require_room(context.memory_budget());
     call_script(
-        params, "seam", context,
-        [&](Worker& worker) {
-            auto* const to =
-                reinterpret_cast<float*>(worker.given.grown((entries + in_field) * sizeof(float)));
-            auto* const behind = energy.summed() ? write_costs<float>(energy, window, to)
-                                                 : write_costs<std::uint16_t>(energy, window, to);
-            const auto array = [&](std::size_t at, int last) {
-                return Json{
-                    {"at", at * sizeof(float)},
-                    {"type", "float32"},
-                    {"shape", {columns.frames(), columns.slices(), columns.laterals(), last}}};
-            };
-            Json arrays{{"energy", array(0, window.size())}};
-            if (in_field > 0) {
-                write_field(seen, vertices, behind);
-                arrays["field"] = array(entries, vertices.size());
-            }
-            return Json{{"wants", "entries"}, {"bytes", worker.given.size()}, {"arrays", arrays}};
-        },
-        [&](Worker& worker, const Json&) {
-            const auto* const found = reinterpret_cast<const std::int32_t*>(
-                worker.answered.seen(at.size() * sizeof(std::int32_t)));
-            for (std::size_t n = 0; n < at.size() && fault.empty(); ++n) {
-                if (found[n] < 0 || found[n] >= window.size())
-                    fault = fmt::format("entry {} at {} is not from 0 to {}", found[n],
-                                        place_text(columns, n), window.size() - 1);
-                at[n] = static_cast<std::uint16_t>(found[n] + window.first);
-            }
-            if (fault.empty())
-                fault = fault_of_seam(at, reinterpret_cast<const float*>(worker.given.grown(0)),
-                                      window, columns);
-        });
-    if (!fault.empty())
+        params, "seam", context, [&](Worker& worker) { return call.give(worker); },
+        [&](Worker& worker, const Json&) { call.take(worker); });
+    if (!call.fault().empty())
         throw Failure(fmt::format("{}: seam returned entries [t, k, j] that are no seam: {}",
-                                  params.script.at(0), fault));
-    const auto sum = energy_of(energy, at);
-    return {std::move(at), sum};
+                                  params.script.at(0), call.fault()));
+    return std::move(call).seam();
 }
 
 struct SeamPython : SeamNode {

@@ -61,10 +61,39 @@ struct FileActions {
     FileActions() { posix_spawn_file_actions_init(&actions); }
     ~FileActions() { posix_spawn_file_actions_destroy(&actions); }
 };
+/// A group of its own, so that Ctrl-C reaches this program alone, which ends the group. Signals as
+/// in a new process.
 struct SpawnAttributes {
     posix_spawnattr_t attributes{};
-    SpawnAttributes() { posix_spawnattr_init(&attributes); }
+    SpawnAttributes() {
+        posix_spawnattr_init(&attributes);
+        sigset_t none, all;
+        sigemptyset(&none);
+        sigfillset(&all);
+        posix_spawnattr_setflags(
+            &attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+        posix_spawnattr_setsigmask(&attributes, &none);
+        posix_spawnattr_setsigdefault(&attributes, &all);
+    }
     ~SpawnAttributes() { posix_spawnattr_destroy(&attributes); }
+};
+/// What the process is started with.
+struct CommandLine {
+    std::vector<std::string> words, settings;
+    std::vector<char*> arguments, environment;
+
+    CommandLine(const std::string& interpreter, const std::string& package)
+        : words{interpreter, "-c", start_text, package} {
+        for (const auto& [name, value] : memory_settings)
+            if (!std::getenv(name)) settings.push_back(fmt::format("{}={}", name, value));
+        for (auto& word : words) arguments.push_back(word.data());
+        for (auto** each = environ; *each; ++each) environment.push_back(*each);
+        for (auto& setting : settings) environment.push_back(setting.data());
+        arguments.push_back(nullptr);
+        environment.push_back(nullptr);
+    }
+    CommandLine(const CommandLine&) = delete;
+    CommandLine& operator=(const CommandLine&) = delete;
 };
 
 [[noreturn]] void refuse_start(const std::string& interpreter, int error) {
@@ -77,6 +106,18 @@ struct SpawnAttributes {
 void close_if_open(int& file) {
     if (file >= 0) close(file);
     file = -1;
+}
+
+/// The end of what the process has printed: a dump of the stack comes last.
+std::string end_of(int log) {
+    struct stat now {};
+    constexpr std::size_t most_dump = 16 << 10;
+    if (fstat(log, &now) != 0) return {};
+    std::string out(std::min(static_cast<std::size_t>(now.st_size), most_dump), '\0');
+    const auto got =
+        pread(log, out.data(), out.size(), now.st_size - static_cast<off_t>(out.size()));
+    out.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+    return out;
 }
 
 /// The place in a dump of Python's faulthandler: the first in the script's folder, else the first.
@@ -143,28 +184,10 @@ void Worker::start() {
     for (const int file : {STDOUT_FILENO, STDERR_FILENO})
         posix_spawn_file_actions_adddup2(&files.actions, above.back(), file);
 
-    // A group of its own, so that Ctrl-C reaches this program alone, which ends the group. Signals
-    // as in a new process.
     SpawnAttributes how;
-    sigset_t none, all;
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_setflags(
-        &how.attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-    posix_spawnattr_setsigmask(&how.attributes, &none);
-    posix_spawnattr_setsigdefault(&how.attributes, &all);
-
-    std::vector<std::string> words{interpreter_, "-c", start_text, package}, settings;
-    for (const auto& [name, value] : memory_settings)
-        if (!std::getenv(name)) settings.push_back(fmt::format("{}={}", name, value));
-    std::vector<char*> arguments, environment;
-    for (auto& word : words) arguments.push_back(word.data());
-    for (auto** each = environ; *each; ++each) environment.push_back(*each);
-    for (auto& setting : settings) environment.push_back(setting.data());
-    arguments.push_back(nullptr);
-    environment.push_back(nullptr);
+    CommandLine line(interpreter_, package);
     const int error = posix_spawnp(&process_, interpreter_.c_str(), &files.actions, &how.attributes,
-                                   arguments.data(), environment.data());
+                                   line.arguments.data(), line.environment.data());
     for (const int file : above) close(file);
     close(sockets[1]);
     close(life[0]);
@@ -293,16 +316,7 @@ std::string Worker::printed() {
 }
 
 std::string Worker::last_words() {
-    // The end of the log: a dump of the stack comes last.
-    struct stat now {};
-    constexpr std::size_t most_dump = 16 << 10;
-    std::string log;
-    if (fstat(log_, &now) == 0) {
-        const auto bytes = std::min(static_cast<std::size_t>(now.st_size), most_dump);
-        log.resize(bytes);
-        const auto got = pread(log_, log.data(), bytes, now.st_size - static_cast<off_t>(bytes));
-        log.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
-    }
+    const auto log = end_of(log_);
     const bool slow = log.find("Timeout (") != std::string::npos;
     const auto place = slow || log.find("Fatal Python error") != std::string::npos
                            ? place_in(log, script_)

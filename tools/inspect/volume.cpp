@@ -1,15 +1,12 @@
 #include "tools/inspect/volume.h"
 
 #include "carve/base/one_line.h"
-#include "carve/field/extent.h"
-#include "carve/field/same_transform.h"
-#include "carve/stream/raw_grid.h"
 #include "carve/volume/grid_types.h"
-#include "carve/volume/triplet.h"
 #include "formats/vdb/conventions.h"
 #include "tools/inspect/facts.h"
+#include "tools/inspect/oddities.h"
 
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include <openvdb/points/PointDataGrid.h>
 
@@ -17,6 +14,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <set>
 
 namespace fluidcarve {
@@ -79,11 +77,10 @@ Json points_of(const PointDataGrid& grid) {
 
 Json list(const openvdb::Coord& at) { return {at.x(), at.y(), at.z()}; }
 
-constexpr std::size_t most_entries = 1000;  ///< of metadata that are listed
-
 Json metadata_of(const openvdb::MetaMap& map) {
     auto out = Json::object();
-    for (auto entry = map.beginMeta(); entry != map.endMeta() && out.size() < most_entries; ++entry)
+    for (auto entry = map.beginMeta(); entry != map.endMeta() && out.size() < most_metadata;
+         ++entry)
         out[one_line(entry->first)] = one_line(entry->second->str());
     return out;
 }
@@ -118,130 +115,6 @@ Json grid_json(const GridBase& grid, const std::string& unique_name) {
     return out;
 }
 
-/// Notes for the author of a pipeline, each with the grids that it applies to; without grids it
-/// applies to the file.
-class Oddities {
-public:
-    void add(const std::string& text, const std::string& grid = {}) {
-        auto found = std::find_if(all_.begin(), all_.end(),
-                                  [&](const auto& each) { return each.first == text; });
-        if (found == all_.end()) found = all_.insert(all_.end(), {text, {}});
-        if (!grid.empty()) found->second.push_back(grid);
-    }
-    std::vector<std::string> lines() const {
-        std::vector<std::string> out;
-        for (const auto& [text, grids] : all_)
-            out.push_back(grids.empty() ? text
-                                        : fmt::format("{}: {}", fmt::join(grids, ", "), text));
-        return out;
-    }
-
-private:
-    std::vector<std::pair<std::string, std::vector<std::string>>> all_;
-};
-
-/// @param say  takes a note
-void note_metadata(const openvdb::MetaMap& map, const auto& say) {
-    if (map.metaCount() > most_entries)
-        say(fmt::format("{} entries of metadata, of which the first {} are listed", map.metaCount(),
-                        most_entries));
-}
-
-void note_grid(const GridBase& grid, const Json& facts, const Conventions* conventions,
-               Oddities& out) {
-    const auto say = [&](const std::string& text) {
-        out.add(text, facts["name"].get<std::string>());
-    };
-    const bool blender = conventions && conventions->name == "blender";
-    const auto size = grid.voxelSize();
-    note_metadata(grid, say);
-
-    if (RawGrid::of(grid))
-        return say(
-            fmt::format("of type {}, which OpenVDB does not know: kept as it is, but can't be "
-                        "looked at or carved",
-                        grid.type()));
-    if (grid.activeVoxelCount() == 0) say("no active voxels");
-    if (!grid.transform().isLinear())
-        say(fmt::format("voxels of varying shape ({}): no energy or lattice takes them",
-                        grid.transform().mapType()));
-    else if (!are_cubes(grid.transform()))
-        say(fmt::format(
-            "voxels that are no cubes ({:.6g} x {:.6g} x {:.6g}): distances refuse them", size.x(),
-            size.y(), size.z()));
-    if (facts.contains("not_finite"))
-        say(fmt::format("{} values are not finite, the first at voxel {}: energies refuse them",
-                        facts["not_finite"].get<std::size_t>(), facts["first_not_finite"].dump()));
-    if (facts.contains("range") && !facts.contains("not_finite") &&
-        facts["range"][0] == facts["range"][1] && grid.activeVoxelCount() > 1 &&
-        voxels_in(grid.evalActiveVoxelBoundingBox()) == grid.activeVoxelCount())
-        say(fmt::format(
-            "{:g} everywhere in its box: it shows no content, so fit the lattice to another grid",
-            facts["range"][0].get<double>()));
-    if (grid.isType<VectorGrid>()) {
-        if (grid.getGridClass() == openvdb::GRID_STAGGERED)
-            say("staggered: component c stands on the face below its voxel along axis c");
-        if (grid.getVectorType() == openvdb::VEC_INVARIANT && grid.getName().starts_with("vel"))
-            say("its vector type is invariant: other tools don't rotate it with its transform");
-        if (conventions && grid.getName().starts_with("vel"))
-            say(fmt::format("if {} wrote it, in {}", conventions->application,
-                            conventions->velocity_unit));
-    }
-    if (grid.getGridClass() == openvdb::GRID_LEVEL_SET && grid.isType<FloatGrid>() &&
-        static_cast<const FloatGrid&>(grid).background() <= 0)
-        say("called a level set, but its background is not above 0: dense values in voxels, no "
-            "narrow band");
-    if (blender && grid.getGridClass() == openvdb::GRID_FOG_VOLUME && facts.contains("range") &&
-        facts["range"][0] >= 1e-6 && facts["range"][0] < 1.1e-6)
-        say("active only above 1e-06: derivatives jump at the border of the smoke");
-    if (grid.getGridClass() == openvdb::GRID_UNKNOWN && grid.isType<FloatGrid>() &&
-        grid.getName() == "density")
-        say("no class: treated as a fog volume");
-    if (grid.isType<PointDataGrid>()) {
-        if (blender) say("particles half a voxel off the other grids' voxels");
-        for (const auto& [name, type] : facts["points"]["attributes"].items())
-            if (type.get<std::string>() == "int32 trnc")
-                say(
-                    fmt::format("attribute '{}' is in a half-size codec that OpenVDB itself does "
-                                "not read; fluidcarve does",
-                                name));
-    }
-}
-
-void note_between(const Volume& volume, const Json& grids, Oddities& out) {
-    std::set<std::string> names;
-    std::set<const openvdb::TreeBase*> trees;
-    for (std::size_t n = 0; n < volume.grids.size(); ++n) {
-        const auto& grid = volume.grids[n].header();
-        const auto name = grids[n]["name"].get<std::string>();
-        const auto triplet = triplet_of(volume, grid);
-        if (triplet)
-            out.add(fmt::format("{} vector in three grids: name it under `grids: {{{}: vector}}`",
-                                triplet->staggered ? "a staggered" : "a", triplet->name),
-                    name);
-        else if (n > 0 && grid.transform() != volume.grids[0].header().transform())
-            out.add(fmt::format("another transform than {}", grids[0]["name"].get<std::string>()),
-                    name);
-        if (!names.insert(grid.getName()).second) out.add("not the only grid of its name", name);
-        if (!trees.insert(&grid.constBaseTree()).second)
-            out.add("shares its voxels with a grid before it", name);
-    }
-}
-
-void note_file(const Volume& volume, const VdbHeader& header, const Conventions* conventions,
-               Oddities& out) {
-    note_metadata(volume.metadata, [&](const std::string& text) { out.add(text); });
-    if (volume.grids.empty()) return out.add("no grids");
-    if (conventions && conventions->name == "blender" &&
-        volume.grids[0].header().transform().indexToWorld(openvdb::Vec3d(0)).isZero())
-        out.add(
-            "the grids start at the world's origin: Blender's caches lose their place in the "
-            "scene; the reader's `translate` gives it back");
-    if (header.version != openvdb::OPENVDB_FILE_VERSION)
-        out.add(fmt::format("the file's version is {}; it would be written as {}", header.version,
-                            static_cast<unsigned>(openvdb::OPENVDB_FILE_VERSION)));
-}
-
 Json look(const std::string& path) {
     VdbFile from(path);
     const auto& header = from.header();
@@ -255,13 +128,10 @@ Json look(const std::string& path) {
     out["profile"] = conventions ? Json(conventions->name) : Json(nullptr);
     out["metadata"] = metadata_of(volume.metadata);
     out["grids"] = Json::array();
-    Oddities oddities;
-    for (std::size_t n = 0; n < volume.grids.size(); ++n) {
+    for (std::size_t n = 0; n < volume.grids.size(); ++n)
         out["grids"].push_back(grid_json(volume.grids[n].header(), header.grids[n].unique_name));
-        note_grid(volume.grids[n].header(), out["grids"].back(), conventions, oddities);
-    }
-    note_between(volume, out["grids"], oddities);
-    note_file(volume, header, conventions, oddities);
+    Oddities oddities;
+    note_volume(volume, header, out["grids"], conventions, oddities);
     out["oddities"] = oddities.lines();
     return out;
 }
@@ -311,6 +181,44 @@ std::string transform_text(const Json& transform) {
                        three(transform["origin"]), transform["map"].get<std::string>());
 }
 
+/// @param widest  of the grids' names, characters
+std::string grid_line(const Json& grid, std::size_t widest) {
+    auto out =
+        fmt::format("  {:<{}}  {:<8} {:<10} {:<5}{:>10} voxels", grid["name"].get<std::string>(),
+                    widest, grid["type"].get<std::string>(), grid["class"].get<std::string>(),
+                    grid["half"].get<bool>() ? "half" : "", count_text(grid["active_voxels"]));
+    if (grid.contains("box"))
+        out += fmt::format(" in {} to {}, world {}", grid["box"][0].dump(), grid["box"][1].dump(),
+                           world_text(grid["world_box"]));
+    if (grid.contains("range"))
+        out += fmt::format(", {}{}",
+                           grid["type"].get<std::string>().starts_with("vec") ? "lengths " : "",
+                           range_text(grid["range"]));
+    if (grid.contains("points")) {
+        out += fmt::format(", {} points with", count_text(grid["points"]["count"]));
+        for (const auto& [name, type] : grid["points"]["attributes"].items())
+            out += " " + name + " (" + type.get<std::string>() + ")";
+    }
+    return out + "\n";
+}
+
+/// The transforms, each with the grids that have it.
+std::string transform_lines(const Json& all) {
+    std::vector<std::pair<std::string, std::string>> places;
+    for (const auto& grid : all) {
+        const auto place = transform_text(grid["transform"]);
+        const auto name = grid["name"].get<std::string>();
+        if (const auto found = std::find_if(places.begin(), places.end(),
+                                            [&](const auto& each) { return each.first == place; });
+            found != places.end())
+            found->second += ", " + name;
+        else places.emplace_back(place, name);
+    }
+    std::string out;
+    for (const auto& [place, names] : places) out += fmt::format("  {} ({})\n", place, names);
+    return out;
+}
+
 std::string text(const Json& file) {
     const auto* const known =
         file["profile"].is_null() ? nullptr : conventions_of(file["profile"].get<std::string>());
@@ -323,36 +231,8 @@ std::string text(const Json& file) {
     std::size_t widest = 4;
     for (const auto& grid : file["grids"])
         widest = std::max(widest, grid["name"].get<std::string>().size());
-    for (const auto& grid : file["grids"]) {
-        out += fmt::format("  {:<{}}  {:<8} {:<10} {:<5}{:>10} voxels",
-                           grid["name"].get<std::string>(), widest, grid["type"].get<std::string>(),
-                           grid["class"].get<std::string>(), grid["half"].get<bool>() ? "half" : "",
-                           count_text(grid["active_voxels"]));
-        if (grid.contains("box"))
-            out += fmt::format(" in {} to {}, world {}", grid["box"][0].dump(),
-                               grid["box"][1].dump(), world_text(grid["world_box"]));
-        if (grid.contains("range"))
-            out += fmt::format(", {}{}",
-                               grid["type"].get<std::string>().starts_with("vec") ? "lengths " : "",
-                               range_text(grid["range"]));
-        if (grid.contains("points")) {
-            out += fmt::format(", {} points with", count_text(grid["points"]["count"]));
-            for (const auto& [name, type] : grid["points"]["attributes"].items())
-                out += " " + name + " (" + type.get<std::string>() + ")";
-        }
-        out += "\n";
-    }
-    std::vector<std::pair<std::string, std::string>> places;
-    for (const auto& grid : file["grids"]) {
-        const auto place = transform_text(grid["transform"]);
-        const auto name = grid["name"].get<std::string>();
-        if (const auto found = std::find_if(places.begin(), places.end(),
-                                            [&](const auto& each) { return each.first == place; });
-            found != places.end())
-            found->second += ", " + name;
-        else places.emplace_back(place, name);
-    }
-    for (const auto& [place, names] : places) out += fmt::format("  {} ({})\n", place, names);
+    for (const auto& grid : file["grids"]) out += grid_line(grid, widest);
+    out += transform_lines(file["grids"]);
     for (const auto& oddity : file["oddities"])
         out += "  note: " + oddity.get<std::string>() + "\n";
     return out;

@@ -7,32 +7,24 @@
 #include "graph/views/provenance.h"
 #include "runtime/keep/work_folder.h"
 #include "runtime/run/status.h"
-#include "runtime/tell/outcome.h"
 #include "runtime/tell/terminal.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include <unistd.h>
+#include <array>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
+#include <utility>
 
 namespace fluidcarve {
-
 namespace {
+
 void put(const std::string& text, std::FILE* to) {
     const auto shown = printable(text);
     std::fwrite(shown.data(), 1, shown.size(), to);
 }
-}  // namespace
-
-void print(const std::string& text) { put(text, stdout); }
-void complain(const std::string& text) {
-    if (told_as_events()) return tell_event(text, "failure");
-    put(text, stderr);
-}
-
-namespace {
 
 /// Parses "8G", "500M", "1.5 GiB" into bytes. Units are powers of 1024.
 std::optional<std::uint64_t> parse_size(const std::string& text) {
@@ -67,7 +59,166 @@ std::string with_name(const std::string& path, const std::string& name) {
         .string();
 }
 
+/// Options that say which frames, and which nodes.
+void declare_target(CLI::App& verb, RunArguments& run) {
+    run.frames_option =
+        verb.add_option("-f,--frames", run.frames,
+                        "Deliver only these frames of the sequence (1001-1010,1020)")
+            ->type_name("FRAMES");
+    auto* const to = verb.add_option("--to", run.request.target.to,
+                                     "Run only this node and the nodes that it needs, or several, "
+                                     "with commas; NODE.INPUT of a solver: only extract its data "
+                                     "from each frame")
+                         ->type_name("NODE");
+    auto* const from = verb.add_option("--from", run.request.target.from,
+                                       "Deliver only results that depend on this node")
+                           ->type_name("NODE");
+    verb.add_option("--only", run.only,
+                    "Run this node alone; the cached results that it needs must already be in the "
+                    "work folder")
+        ->type_name("NODE")
+        ->excludes(to)
+        ->excludes(from);
+    verb.add_option("--missing", run.missing,
+                    "Whether `frames: auto` fails where numbers are missing between frames, or "
+                    "says nothing of it (default: a warning)")
+        ->check(CLI::IsMember({"error", "skip"}))
+        ->type_name("error|skip");
+}
+
+/// Options that name a run's own files.
+void declare_records(CLI::App& verb, RunRequest& request) {
+    verb.add_option("--report", request.report_path, "Write a report of the run")
+        ->type_name("FILE.json");
+    verb.add_option(
+            "--html", request.html_path,
+            "Write a report of the run as a page: pictures, times, seams, the origin of each value")
+        ->type_name("FILE.html");
+    verb.add_option("--profile", request.profile_path,
+                    "Write a trace for chrome://tracing or Perfetto: when each node ran, and on "
+                    "which thread")
+        ->type_name("FILE.json");
+    verb.add_option("--manifest", request.manifest_path,
+                    "Compare each input file with its hash in this file before it is read, and add "
+                    "the files that it does not list")
+        ->type_name("FILE");
+}
+
+/// The files of its own that a run writes or reads, by option.
+std::array<std::pair<const char*, std::string>, 4> own_files(const RunRequest& request) {
+    return {std::pair("--report", request.report_path), std::pair("--html", request.html_path),
+            std::pair("--profile", request.profile_path),
+            std::pair("--manifest", request.manifest_path)};
+}
+
+// The steps of RunArguments::read: each takes arguments over into the request. They return what is
+// wrong; empty: nothing.
+
+std::string take_memory(RunArguments& run, const Pipeline&) {
+    run.request.options.memory = half_of_memory();
+    if (run.memory.empty()) return {};
+    const auto size = parse_size(run.memory);
+    if (!size) return fmt::format("--memory must be a size such as 8G, not '{}'", run.memory);
+    run.request.options.memory = *size;
+    return {};
+}
+
+std::string take_frames(RunArguments& run, const Pipeline& pipeline) {
+    if (!run.frames_option || run.frames_option->count() == 0) return {};
+    auto& deliver = run.request.target.frames;
+    std::string fault;
+    deliver = FrameSet::parse(run.frames, fault);
+    if (!deliver) return "-f: " + fault;
+    if (const auto note = staggered_note(run.frames); !note.empty() && !run.request.quiet)
+        complain("warning: -f: " + note + "\n");
+    std::vector<int> outside;
+    for (const auto frame : deliver->frames())
+        if (!pipeline.frames.contains(frame)) outside.push_back(frame);
+    return outside.empty() ? std::string()
+                           : fmt::format("-f: {} is not in the sequence {}",
+                                         FrameSet(outside).text(), pipeline.frames.text());
+}
+
+/// Also warns of what else was noted of the pipeline.
+std::string take_holes(RunArguments& run, const Pipeline& pipeline) {
+    if (run.missing == "error" && !pipeline.holes.empty()) return pipeline.holes;
+    if (run.request.quiet) return {};
+    if (run.missing.empty() && !pipeline.holes.empty())
+        complain("warning: " + pipeline.holes + "\n");
+    for (const auto& note : pipeline.notes) complain("warning: " + note + "\n");
+    return {};
+}
+
+std::string take_work_folder(RunArguments& run, const Pipeline&) {
+    auto& options = run.request.options;
+    options.cache = !run.no_cache;
+    const WorkFolder folder(options.work_folder);
+    if (const auto refusal = folder.refusal(); !refusal.empty())
+        return fmt::format("--work: {} {}", options.work_folder, refusal);
+    if (const auto fault = folder.link_fault(); !run.no_cache && !fault.empty())
+        return "--work: " + fault;
+    if (run.cache_size.empty()) return {};
+    const auto size = parse_size(run.cache_size);
+    if (!size)
+        return fmt::format("--cache-size must be a size such as 50G, not '{}'", run.cache_size);
+    options.cache_size = *size;
+    // A size says that files may go: only from a folder that is ours.
+    const auto fault = folder.fault();
+    return fault.empty() ? std::string() : "--cache-size: " + fault;
+}
+
+std::string take_nodes(RunArguments& run, const Pipeline& pipeline) {
+    auto& wish = run.request.target;
+    wish.only = !run.only.empty();
+    if (wish.only) wish.to = run.only;
+    return fault_of(wish, pipeline);
+}
+
+std::string take_task(RunArguments& run, const Pipeline&) {
+    auto& request = run.request;
+    if (request.task.empty()) return {};
+    if (const auto fault = fault_of_task(request.task); !fault.empty())
+        return "--task " + request.task + ": " + fault;
+    const auto name = task_name(request.task.substr(request.task.find('/') + 1), request.target.frames);
+    for (auto* const path : {&request.report_path, &request.html_path, &request.profile_path})
+        if (!path->empty()) *path = with_name(*path, name);
+    return {};
+}
+
+std::string take_own_files(RunArguments& run, const Pipeline& pipeline) {
+    std::map<std::filesystem::path, const char*> own;
+    for (const auto& [option, path] : own_files(run.request)) {
+        if (path.empty()) continue;
+        if (const auto refusal = Confinement::of_program().refusal(path); !refusal.empty())
+            return fmt::format("{}: {} {}", option, path, refusal);
+        if (const auto user = user_of(pipeline, path); !user.empty())
+            return fmt::format("{} would overwrite {}: {}", option, path, user);
+        std::error_code unknown;  // what a descriptor leads to may have no path
+        auto place = std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown);
+        const auto [other, fresh] =
+            own.emplace(unknown ? std::filesystem::path(path) : std::move(place), option);
+        if (!fresh)
+            return fmt::format("{} and {} name the same file: {}", other->second, option, path);
+    }
+    return {};
+}
+
+ProgressStyle style_of(const std::string& progress, bool quiet) {
+    return progress == "none" || quiet ? ProgressStyle::none
+           : progress == "plain"       ? ProgressStyle::plain
+           : progress == "openjd"      ? ProgressStyle::openjd
+           : progress == "bar" || (progress == "auto" && coloured_terminal()) ? ProgressStyle::bar
+           : progress == "json"                                               ? ProgressStyle::json
+                                : ProgressStyle::plain;
+}
+
 }  // namespace
+
+void print(const std::string& text) { put(text, stdout); }
+void complain(const std::string& text) {
+    if (told_as_events()) return tell_event(text, "failure");
+    put(text, stderr);
+}
 
 void PipelineArguments::declare(CLI::App& verb) {
     verb.add_option("pipeline", path,
@@ -124,43 +275,9 @@ std::optional<Pipeline> PipelineArguments::read_or_complain(Registry& registry) 
 }
 
 void RunArguments::declare(CLI::App& verb) {
-    frames_option = verb.add_option("-f,--frames", frames,
-                                    "Deliver only these frames of the sequence (1001-1010,1020)")
-                        ->type_name("FRAMES");
-    auto* const to = verb.add_option("--to", request.target.to,
-                                     "Run only this node and the nodes that it needs, or several, "
-                                     "with commas; NODE.INPUT of a solver: only extract its data "
-                                     "from each frame")
-                         ->type_name("NODE");
-    auto* const from = verb.add_option("--from", request.target.from,
-                                       "Deliver only results that depend on this node")
-                           ->type_name("NODE");
-    verb.add_option("--only", only,
-                    "Run this node alone; the cached results that it needs must already be in the "
-                    "work folder")
-        ->type_name("NODE")
-        ->excludes(to)
-        ->excludes(from);
-    verb.add_option("--missing", missing,
-                    "Whether `frames: auto` fails where numbers are missing between frames, or "
-                    "says nothing of it (default: a warning)")
-        ->check(CLI::IsMember({"error", "skip"}))
-        ->type_name("error|skip");
+    declare_target(verb, *this);
     declare_limits(verb);
-    verb.add_option("--report", request.report_path, "Write a report of the run")
-        ->type_name("FILE.json");
-    verb.add_option(
-            "--html", request.html_path,
-            "Write a report of the run as a page: pictures, times, seams, the origin of each value")
-        ->type_name("FILE.html");
-    verb.add_option("--profile", request.profile_path,
-                    "Write a trace for chrome://tracing or Perfetto: when each node ran, and on "
-                    "which thread")
-        ->type_name("FILE.json");
-    verb.add_option("--manifest", request.manifest_path,
-                    "Compare each input file with its hash in this file before it is read, and add "
-                    "the files that it does not list")
-        ->type_name("FILE");
+    declare_records(verb, request);
     verb.add_option("--wait", request.wait,
                     "Seconds to wait for results of other runs in the work folder, such as a "
                     "farm's earlier steps; fail if they do not come")
@@ -216,12 +333,12 @@ std::vector<std::string> RunArguments::words() const {
                                  "--threads",  std::to_string(threads),
                                  "--progress", progress};
     if (in_flight > 0) out.insert(out.end(), {"--in-flight", std::to_string(in_flight)});
-    for (const auto& [option, value] :
-         {std::pair("--memory", memory), std::pair("--cache-size", cache_size),
-          std::pair("--report", request.report_path), std::pair("--html", request.html_path),
-          std::pair("--profile", request.profile_path),
-          std::pair("--manifest", request.manifest_path)})
+    const auto add = [&](const char* option, const std::string& value) {
         if (!value.empty()) out.insert(out.end(), {option, value});
+    };
+    add("--memory", memory);
+    add("--cache-size", cache_size);
+    for (const auto& [option, path] : own_files(request)) add(option, path);
     if (request.wait) out.insert(out.end(), {"--wait", fmt::format("{}", *request.wait)});
     for (const auto& [option, on] :
          {std::pair("--no-cache", no_cache), std::pair("--sync", request.options.sync),
@@ -232,90 +349,13 @@ std::vector<std::string> RunArguments::words() const {
 }
 
 std::optional<RunRequest> RunArguments::read(const Pipeline& pipeline) {
-    const auto wrong = [](const std::string& message) {
-        complain(message + "\n");
-        return std::nullopt;
-    };
     request.options.threads = threads;
     request.options.in_flight = in_flight > 0 ? in_flight : threads + 1;
-    request.options.memory = half_of_memory();
-    if (!memory.empty()) {
-        const auto size = parse_size(memory);
-        if (!size)
-            return wrong(fmt::format("--memory must be a size such as 8G, not '{}'", memory));
-        request.options.memory = *size;
-    }
-    if (frames_option && frames_option->count() > 0) {
-        std::string fault;
-        request.target.frames = FrameSet::parse(frames, fault);
-        if (!request.target.frames) return wrong("-f: " + fault);
-        if (const auto note = staggered_note(frames); !note.empty() && !request.quiet)
-            complain("warning: -f: " + note + "\n");
-        std::vector<int> outside;
-        for (const auto frame : request.target.frames->frames())
-            if (!pipeline.frames.contains(frame)) outside.push_back(frame);
-        if (!outside.empty())
-            return wrong(fmt::format("-f: {} is not in the sequence {}", FrameSet(outside).text(),
-                                     pipeline.frames.text()));
-    }
-    if (missing == "error" && !pipeline.holes.empty()) return wrong(pipeline.holes);
-    if (!request.quiet) {
-        if (missing.empty() && !pipeline.holes.empty())
-            complain("warning: " + pipeline.holes + "\n");
-        for (const auto& note : pipeline.notes) complain("warning: " + note + "\n");
-    }
-    request.options.cache = !no_cache;
-    if (const auto refusal = WorkFolder(request.options.work_folder).refusal(); !refusal.empty())
-        return wrong(fmt::format("--work: {} {}", request.options.work_folder, refusal));
-    if (const auto fault = WorkFolder(request.options.work_folder).link_fault();
-        !no_cache && !fault.empty())
-        return wrong("--work: " + fault);
-    if (!cache_size.empty()) {
-        const auto size = parse_size(cache_size);
-        if (!size)
-            return wrong(
-                fmt::format("--cache-size must be a size such as 50G, not '{}'", cache_size));
-        request.options.cache_size = *size;
-        // A size says that files may go: only from a folder that is ours.
-        if (const auto fault = WorkFolder(request.options.work_folder).fault(); !fault.empty())
-            return wrong("--cache-size: " + fault);
-    }
-    request.target.only = !only.empty();
-    if (request.target.only) request.target.to = only;
-    if (const auto fault = fault_of(request.target, pipeline); !fault.empty()) return wrong(fault);
-    if (!request.task.empty()) {
-        if (const auto fault = fault_of_task(request.task); !fault.empty())
-            return wrong("--task " + request.task + ": " + fault);
-        const auto name =
-            task_name(request.task.substr(request.task.find('/') + 1), request.target.frames);
-        for (auto* const path : {&request.report_path, &request.html_path, &request.profile_path})
-            if (!path->empty()) *path = with_name(*path, name);
-    }
-    std::map<std::filesystem::path, const char*> own;
-    for (const auto& [option, path] :
-         {std::pair("--report", request.report_path), std::pair("--html", request.html_path),
-          std::pair("--profile", request.profile_path),
-          std::pair("--manifest", request.manifest_path)}) {
-        if (path.empty()) continue;
-        if (const auto refusal = Confinement::of_program().refusal(path); !refusal.empty())
-            return wrong(fmt::format("{}: {} {}", option, path, refusal));
-        if (const auto user = user_of(pipeline, path); !user.empty())
-            return wrong(fmt::format("{} would overwrite {}: {}", option, path, user));
-        std::error_code unknown;  // what a descriptor leads to may have no path
-        auto place = std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown);
-        const auto [other, fresh] =
-            own.emplace(unknown ? std::filesystem::path(path) : std::move(place), option);
-        if (!fresh)
-            return wrong(
-                fmt::format("{} and {} name the same file: {}", other->second, option, path));
-    }
-    const bool terminal = coloured_terminal();
-    request.progress = progress == "none" || request.quiet ? ProgressStyle::none
-                       : progress == "plain"               ? ProgressStyle::plain
-                       : progress == "openjd"              ? ProgressStyle::openjd
-                       : progress == "bar" || (progress == "auto" && terminal) ? ProgressStyle::bar
-                       : progress == "json"                                    ? ProgressStyle::json
-                                            : ProgressStyle::plain;
+    for (const auto take : {&take_memory, &take_frames, &take_holes, &take_work_folder, &take_nodes,
+                            &take_task, &take_own_files})
+        if (const auto fault = take(*this, pipeline); !fault.empty())
+            return complain(fault + "\n"), std::nullopt;
+    request.progress = style_of(progress, request.quiet);
     return request;
 }
 

@@ -104,6 +104,53 @@ std::vector<std::string> words_of(const CarveArguments& arguments, const DraftFi
     return out;
 }
 
+/// What is wrong with the arguments, before any file is looked at; empty: nothing.
+std::string wrong_wish(const CarveArguments& arguments, const Registry& registry) {
+    if (!is_count(arguments.count))
+        return fmt::format(
+            "COUNT must be a number of seams such as -12 or 12, or a share such as -20%, not '{}'",
+            arguments.count);
+    if (arguments.warp && !arguments.solver.empty())
+        return "--warp takes the place of a solver: leave --solver out";
+    const auto solver = solver_type(arguments);
+    if (!solver.empty() && !registry.node(solver))
+        return fmt::format("--solver: there is no node type '{}'{}", solver,
+                           did_you_mean(solver, registry.node_names()));
+    return {};
+}
+
+/// Options of how seams are found and carved.
+void declare_solving(CLI::App& verb, CarveArguments& carve) {
+    verb.add_option("--solver", carve.solver,
+                    "What finds the seams, a type of the family `seam`, such as pyramid (default: "
+                    "pyramid; for level sets and particles --warp)")
+        ->type_name("SOLVER");
+    verb.add_flag("--warp", carve.warp,
+                  "Squeeze or draw out without seams, also by fractions of a voxel");
+    verb.add_option("--protect", carve.protect,
+                    "Where no seam may pass: GRID=VALUE, such as density=0.7, is where the grid "
+                    "has at least this value; or a closed mesh; of images, a picture "
+                    "that is white there; may be repeated")
+        ->type_name("GRID=VALUE|FILE")
+        ->expected(1)
+        ->take_all();
+    const auto field = [&](const char* name, std::string& value, const char* doc) {
+        verb.add_option(name, value, doc)->type_name("VALUE");
+    };
+    field("--empty", carve.empty,
+          "Price of empty space: the higher, the more of the carve goes through the content "
+          "(`empty` of the solver)");
+    field("--spread", carve.spread, "How far a seam keeps others away, in voxels (`spread`)");
+    field("--rigidity", carve.rigidity, "How straight seams are (`rigidity`)");
+    field("--anchor", carve.anchor,
+          "What stays in place: low, middle, high, or a vertex (`anchor`)");
+    field("--window", carve.window,
+          "First and last voxel of the box that seams may take, as in 3,20 (`window`)");
+    field("--soft", carve.soft,
+          "How softly seams are carved, in voxels; 0 moves whole voxels (`soft` of remap.grids)");
+    field("--conserve", carve.conserve, "mass: keeps the mass of densities (`conserve`)");
+}
+
 }  // namespace
 
 void CarveArguments::declare(CLI::App& verb) {
@@ -127,33 +174,7 @@ void CarveArguments::declare(CLI::App& verb) {
                     "EmberGen, else z); t: shorter or longer in time, by frames")
         ->check(CLI::IsMember({"x", "y", "z", "w", "t"}))
         ->capture_default_str();
-    verb.add_option("--solver", solver,
-                    "What finds the seams, a type of the family `seam`, such as pyramid (default: "
-                    "pyramid; for level sets and particles --warp)")
-        ->type_name("SOLVER");
-    verb.add_flag("--warp", warp,
-                  "Squeeze or draw out without seams, also by fractions of a voxel");
-    verb.add_option("--protect", protect,
-                    "Where no seam may pass: GRID=VALUE, such as density=0.7, is where the grid "
-                    "has at least this value; or a closed mesh; of images, a picture "
-                    "that is white there; may be repeated")
-        ->type_name("GRID=VALUE|FILE")
-        ->expected(1)
-        ->take_all();
-    const auto field = [&](const char* name, std::string& value, const char* doc) {
-        verb.add_option(name, value, doc)->type_name("VALUE");
-    };
-    field("--empty", empty,
-          "Price of empty space: the higher, the more of the carve goes through the content "
-          "(`empty` of the solver)");
-    field("--spread", spread, "How far a seam keeps others away, in voxels (`spread`)");
-    field("--rigidity", rigidity, "How straight seams are (`rigidity`)");
-    field("--anchor", anchor, "What stays in place: low, middle, high, or a vertex (`anchor`)");
-    field("--window", window,
-          "First and last voxel of the box that seams may take, as in 3,20 (`window`)");
-    field("--soft", soft,
-          "How softly seams are carved, in voxels; 0 moves whole voxels (`soft` of remap.grids)");
-    field("--conserve", conserve, "mass: keeps the mass of densities (`conserve`)");
+    declare_solving(verb, *this);
     verb.add_option("--sheet", sheet,
                     "Write before, after and the seams as one picture; with --axis t some frames")
         ->type_name("FILE.png");
@@ -169,16 +190,7 @@ int carve_files(CarveArguments& arguments, const Registry& registry) {
         complain(message + "\n");
         return exit_code::usage;
     };
-    if (!is_count(arguments.count))
-        return wrong(fmt::format(
-            "COUNT must be a number of seams such as -12 or 12, or a share such as -20%, not '{}'",
-            arguments.count));
-    if (arguments.warp && !arguments.solver.empty())
-        return wrong("--warp takes the place of a solver: leave --solver out");
-    const auto solver = solver_type(arguments);
-    if (!solver.empty() && !registry.node(solver))
-        return wrong(fmt::format("--solver: there is no node type '{}'{}", solver,
-                                 did_you_mean(solver, registry.node_names())));
+    if (const auto fault = wrong_wish(arguments, registry); !fault.empty()) return wrong(fault);
     auto source = std::make_shared<Source>();
     std::vector<std::string> words;
     try {

@@ -84,7 +84,7 @@ std::string fault_of(const FarmArguments& arguments, const RunArguments& run) {
                "out";
     if (!run.only.empty())
         return fmt::format("--only {0}: a farm makes all that is missing; name --to {0}", run.only);
-    return {};
+    return engine->refusal ? engine->refusal(arguments.request) : std::string();
 }
 
 /// The file systems of memory and of disks in a machine (statfs).
@@ -101,6 +101,56 @@ bool lies_in(const std::string& folder, std::span<const long> file_systems) {
     struct statfs about {};
     return statfs(there.c_str(), &about) == 0 &&
            std::ranges::find(file_systems, static_cast<long>(about.f_type)) != file_systems.end();
+}
+
+/// Fills in what a task states unless the command line does.
+void fill_in(RunArguments& run, const FarmEngine& engine, int processes) {
+    if (run.threads_option->count() == 0 && !engine.other_machines)
+        run.threads = std::max(1, run.threads / processes);
+    if (run.progress == "auto") run.progress = engine.progress;
+    run.request.wait = run.request.wait.value_or(wait_seconds);
+}
+
+/// Makes the path of the work folder absolute, and warns if other machines may not see it.
+/// @return why they can't; empty: they can, or need not
+std::string place_work_folder(RunRequest& request, const FarmEngine& engine) {
+    auto& work = request.options.work_folder;
+    work = fs::absolute(work).lexically_normal().string();
+    if (!engine.other_machines) return {};
+    if (lies_in(work, memories))
+        return fmt::format(
+            "--work: {} is in the memory of this machine, and other machines can't "
+            "see it; name a shared folder",
+            work);
+    if (lies_in(work, disks) && !request.quiet)
+        tell(
+            fmt::format("warning: --work: {} is on a disk of this machine; tasks fail on machines "
+                        "that do not see it at this path",
+                        work));
+    return {};
+}
+
+FarmChunking chunking_of(const FarmArguments& arguments, const FarmEngine& engine) {
+    FarmChunking out;
+    if (arguments.chunk > 0) out.frames = arguments.chunk;
+    else if (arguments.minutes > 0) out.minutes = arguments.minutes;
+    else if (!engine.other_machines)
+        out.tasks = static_cast<std::size_t>(arguments.request.processes);
+    return out;
+}
+
+/// Shows a job, or hands it to an engine. @return an exit code
+int hand_over(const FarmJob& job, const FarmEngine& engine, const FarmArguments& arguments,
+              bool quiet, const Interrupt& interrupt) {
+    if (arguments.dry_run)
+        return print(arguments.json ? json_text(to_json(job), 2) + "\n" : to_text(job)),
+               exit_code::done;
+    record_job(job, engine.name);
+    auto asked = arguments.request;
+    asked.chunk_ranges = !arguments.no_chunk_extension;
+    asked.quiet = quiet;
+    asked.cancelled = [&] { return interrupt.asked(); };
+    return engine.farm(job, asked);
 }
 
 }  // namespace
@@ -147,9 +197,6 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
     if (const auto fault = fault_of(arguments, run); !fault.empty())
         return complain(fault + "\n"), exit_code::usage;
     const auto& engine = *find_engine(arguments.engine);
-    if (const auto fault = engine.refusal ? engine.refusal(arguments.request) : std::string();
-        !fault.empty())
-        return complain(fault + "\n"), exit_code::usage;
     Problems problems;
     const auto document =
         read_document(pipeline_arguments.path, pipeline_arguments.settings, problems);
@@ -157,31 +204,12 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
     if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
     state_provenance(pipeline, document, registry);
     const Interrupt interrupt(std::string(), grace_ms);
-    if (run.threads_option->count() == 0 && !engine.other_machines)
-        run.threads = std::max(1, run.threads / arguments.request.processes);
-    if (run.progress == "auto") run.progress = engine.progress;
-    run.request.wait = run.request.wait.value_or(wait_seconds);
+    fill_in(run, engine, arguments.request.processes);
     auto request = run.read(pipeline);
     if (!request) return exit_code::usage;
-    request->options.work_folder = run.request.options.work_folder =
-        fs::absolute(request->options.work_folder).lexically_normal().string();
-    const auto& work = request->options.work_folder;
-    if (engine.other_machines && lies_in(work, memories))
-        return complain(fmt::format("--work: {} is in the memory of this machine, and other "
-                                    "machines can't see it; name a shared folder\n",
-                                    work)),
-               exit_code::usage;
-    if (engine.other_machines && lies_in(work, disks) && !request->quiet)
-        tell(
-            fmt::format("warning: --work: {} is on a disk of this machine; tasks fail on machines "
-                        "that do not see it at this path",
-                        work));
-
-    FarmChunking chunking;
-    if (arguments.chunk > 0) chunking.frames = arguments.chunk;
-    else if (arguments.minutes > 0) chunking.minutes = arguments.minutes;
-    else if (!engine.other_machines)
-        chunking.tasks = static_cast<std::size_t>(arguments.request.processes);
+    if (const auto fault = place_work_folder(*request, engine); !fault.empty())
+        return complain(fault + "\n"), exit_code::usage;
+    run.request.options.work_folder = request->options.work_folder;
     FarmCommand shared{environment_of(document, pipeline),
                        CLI::detail::split_up(arguments.prefix),
                        executable_of(arguments, command.front()),
@@ -193,17 +221,10 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
         fmt::format("cd {} && {}", shell_word(fs::current_path().string()), shell_line(command));
     try {
         require_threads(request->options.threads);
-        const auto job = plan_farm(pipeline, registry, *request, chunking, shared);
-        if (!job) return exit_code::input;
-        if (arguments.dry_run)
-            return print(arguments.json ? json_text(to_json(*job), 2) + "\n" : to_text(*job)),
-                   exit_code::done;
-        record_job(*job, engine.name);
-        auto asked = arguments.request;
-        asked.chunk_ranges = !arguments.no_chunk_extension;
-        asked.quiet = request->quiet;
-        asked.cancelled = [&] { return interrupt.asked(); };
-        return engine.farm(*job, asked);
+        const auto job =
+            plan_farm(pipeline, registry, *request, chunking_of(arguments, engine), shared);
+        return job ? hand_over(*job, engine, arguments, request->quiet, interrupt)
+                   : exit_code::input;
     } catch (const Failure& failure) {
         return tell(fmt::format("failed: {}", failure.what())),
                failure.kind == Failure::Kind::input ? exit_code::input : exit_code::node_failed;

@@ -131,56 +131,78 @@ private:
               {"folders", Json::array()}};
 };
 
-}  // namespace
+bool can_inspect(const std::string& path) { return inspector_of(path) != nullptr; }
 
-int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_t memory) {
-    std::vector<std::string> endings, files;
+/// ".vdb, .png" of all files that can be inspected.
+std::string all_endings() {
+    std::vector<std::string> out;
     for (const auto& inspector : inspectors())
-        endings.insert(endings.end(), inspector.endings.begin(), inspector.endings.end());
-    const auto known = [&](const std::string& path) { return inspector_of(path) != nullptr; };
-    std::error_code ignored;
-    for (const auto& path : paths)
-        if (!std::filesystem::is_directory(path, ignored) && !known(path)) {
-            tell(stderr,
-                 fmt::format("inspect reads files that end in {}, and folders of them, not {}\n",
-                             fmt::join(endings, ", "), path));
-            return exit_code::usage;
-        }
+        out.insert(out.end(), inspector.endings.begin(), inspector.endings.end());
+    return fmt::format("{}", fmt::join(out, ", "));
+}
 
-    Inspection inspection(json, memory);
-    const auto look_at_files = [&] {
-        for (const auto& sequence : sequences_of(files)) inspection.look_at(sequence);
-        files.clear();
-    };
-    const auto look_into = [&](const std::string& folder) {
-        std::size_t others = 0;
-        const auto sequences = sequences_in(folder, known, others);
-        if (sequences.empty())
-            return inspection.fail(
-                fmt::format("{} holds no file that ends in {}", folder, fmt::join(endings, ", ")));
-        for (const auto& sequence : sequences) inspection.look_at(sequence);
-        inspection.tell_of(folder, others);
-    };
-    const auto take = [&](const std::string& path) {
+/// Takes the paths of the command line in their order: files that stand side by side may make
+/// sequences.
+class PathsInOrder {
+public:
+    explicit PathsInOrder(Inspection& inspection) : inspection_(inspection) {}
+
+    /// @throws Failure
+    void take(const std::string& path) {
+        std::error_code ignored;
         const bool folder = std::filesystem::is_directory(path, ignored);
         const auto sequence = folder ? FileSequence{} : named_sequence(path);
-        if (!folder && !sequence.per_frame()) return files.push_back(path);
+        if (!folder && !sequence.per_frame()) return files_.push_back(path);
         look_at_files();
         if (folder) look_into(path);
         else if (sequence.frames.frames().empty())
-            inspection.fail(fmt::format("{}: there is no file of any frame", path));
-        else inspection.look_at(sequence);
-    };
+            inspection_.fail(fmt::format("{}: there is no file of any frame", path));
+        else inspection_.look_at(sequence);
+    }
+    /// Looks at the files taken last.
+    void look_at_files() {
+        for (const auto& sequence : sequences_of(files_)) inspection_.look_at(sequence);
+        files_.clear();
+    }
+
+private:
+    void look_into(const std::string& folder) {
+        std::size_t others = 0;
+        const auto sequences = sequences_in(folder, can_inspect, others);
+        if (sequences.empty())
+            return inspection_.fail(
+                fmt::format("{} holds no file that ends in {}", folder, all_endings()));
+        for (const auto& sequence : sequences) inspection_.look_at(sequence);
+        inspection_.tell_of(folder, others);
+    }
+
+    Inspection& inspection_;
+    std::vector<std::string> files_;
+};
+
+}  // namespace
+
+int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_t memory) {
+    std::error_code ignored;
+    for (const auto& path : paths)
+        if (!std::filesystem::is_directory(path, ignored) && !can_inspect(path)) {
+            tell(stderr,
+                 fmt::format("inspect reads files that end in {}, and folders of them, not {}\n",
+                             all_endings(), path));
+            return exit_code::usage;
+        }
+    Inspection inspection(json, memory);
+    PathsInOrder in_order(inspection);
     for (const auto& path : paths) {
         try {
-            take(path);
+            in_order.take(path);
         } catch (const Failure& failure) {
             if (failure.kind != Failure::Kind::input)
                 return tell(stderr, fmt::format("{}\n", failure.what())), exit_code::usage;
             inspection.fail(failure.what());
         }
     }
-    look_at_files();
+    in_order.look_at_files();
     return inspection.finish();
 }
 

@@ -81,15 +81,9 @@ int end_with(const std::string& message, int code) {
     return std::fputs((message + "\n").c_str(), stderr), code;
 }
 
-}  // namespace
-
-int write_new_node(const NewNode& wanted, const Registry& registry) {
-    if (const auto fault = fault_of(wanted.name, registry); !fault.empty())
-        return end_with(fault, exit_code::usage);
-    const auto dot = wanted.name.find('.');
-    const auto family = wanted.name.substr(0, dot), name = wanted.name.substr(dot + 1),
-               library = family + "_" + name;
-    const fs::path folder = wanted.folder.empty() ? library : wanted.folder;
+/// Makes a folder, unless there is one that holds nothing.
+/// @return an exit code; what is wrong is printed
+int make_folder(const fs::path& folder) {
     std::error_code error;
     if (fs::exists(folder, error) &&
         !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
@@ -99,31 +93,48 @@ int write_new_node(const NewNode& wanted, const Registry& registry) {
                 folder.string()),
             exit_code::usage);
     fs::create_directories(folder, error);
-    if (error)
-        return end_with(
-            fmt::format("cannot make the folder {}: {}", folder.string(), error.message()),
-            exit_code::node_failed);
+    return error ? end_with(fmt::format("cannot make the folder {}: {}", folder.string(),
+                                        error.message()),
+                            exit_code::node_failed)
+                 : exit_code::done;
+}
 
-    const std::string kind = wanted.solver ? "solver" : "energy";
-    const std::vector<std::pair<std::string, std::string>> script{
-        {name + ".py", "python.py"},
-        {name + "_test.py", "python_test.py"},
-        {"example.yaml", "python.yaml"},
-        {"README.md", "python.md"}};
-    const std::vector<std::pair<std::string, std::string>> plugin{
-        {name + ".h", kind + ".h"},
-        {name + ".cpp", kind + ".cpp"},
-        {name + "_test.cpp", kind + "_test.cpp"},
-        {"plugin.cpp", "plugin.cpp"},
-        {"CMakeLists.txt", "CMakeLists.txt"},
-        {"example.yaml", kind + ".yaml"},
-        {"README.md", "README.md"}};
+std::string kind_of(const NewNode& wanted) { return wanted.solver ? "solver" : "energy"; }
+
+/// The files of a new node type, and the template of each.
+std::vector<std::pair<std::string, std::string>> files_of(const NewNode& wanted,
+                                                          const std::string& name) {
+    if (wanted.python)
+        return {{name + ".py", "python.py"},
+                {name + "_test.py", "python_test.py"},
+                {"example.yaml", "python.yaml"},
+                {"README.md", "python.md"}};
+    const auto kind = kind_of(wanted);
+    return {{name + ".h", kind + ".h"},
+            {name + ".cpp", kind + ".cpp"},
+            {name + "_test.cpp", kind + "_test.cpp"},
+            {"plugin.cpp", "plugin.cpp"},
+            {"CMakeLists.txt", "CMakeLists.txt"},
+            {"example.yaml", kind + ".yaml"},
+            {"README.md", "README.md"}};
+}
+
+}  // namespace
+
+int write_new_node(const NewNode& wanted, const Registry& registry) {
+    if (const auto fault = fault_of(wanted.name, registry); !fault.empty())
+        return end_with(fault, exit_code::usage);
+    const auto dot = wanted.name.find('.');
+    const auto family = wanted.name.substr(0, dot), name = wanted.name.substr(dot + 1),
+               library = family + "_" + name;
+    const fs::path folder = wanted.folder.empty() ? library : wanted.folder;
+    if (const int code = make_folder(folder); code != exit_code::done) return code;
     const std::vector<std::pair<std::string, std::string>> names{{"{{family}}", family},
                                                                  {"{{name}}", name},
                                                                  {"{{Name}}", as_type(name)},
                                                                  {"{{type}}", wanted.name},
                                                                  {"{{folder}}", library}};
-    for (const auto& [file, text] : wanted.python ? script : plugin) {
+    for (const auto& [file, text] : files_of(wanted, name)) {
         std::ofstream out(folder / file, std::ios::binary);
         out << filled(new_node_texts().at(text), names);
         out.close();
@@ -131,19 +142,16 @@ int write_new_node(const NewNode& wanted, const Registry& registry) {
             return end_with(fmt::format("cannot write {}", (folder / file).string()),
                             exit_code::node_failed);
     }
-    if (wanted.python)
-        std::fputs(fmt::format("{}: an energy in Python with its test and a pipeline; its "
-                               "README.md says how to run it\n",
-                               folder.string())
-                       .c_str(),
-                   stdout);
-    else
-        std::fputs(
-            fmt::format(
-                "{}: a complete plugin with the {} {}, ready to build; its README.md says how\n",
-                folder.string(), kind, wanted.name)
-                .c_str(),
-            stdout);
+    const auto told =
+        wanted.python
+            ? fmt::format(
+                  "{}: an energy in Python with its test and a pipeline; its README.md "
+                  "says how to run it\n",
+                  folder.string())
+            : fmt::format(
+                  "{}: a complete plugin with the {} {}, ready to build; its README.md says how\n",
+                  folder.string(), kind_of(wanted), wanted.name);
+    std::fputs(told.c_str(), stdout);
     return exit_code::done;
 }
 

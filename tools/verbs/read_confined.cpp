@@ -45,6 +45,21 @@ ReadFile outcome_of(const std::string& path, const Json& answer) {
     return {{}, fault.find(path) == std::string::npos ? fmt::format("{}: {}", path, fault) : fault};
 }
 
+/// Why there are no facts of a file that was read alone.
+std::string fault_of_child(const Confined& answer, const std::string& path, double seconds) {
+    switch (answer.end) {
+        case Confined::End::returned: break;
+        case Confined::End::threw: return fmt::format("{}: {}", path, answer.text);
+        case Confined::End::crashed:
+            return fmt::format("{} is damaged: its reader crashed ({})", path, answer.text);
+        case Confined::End::too_slow:
+            return fmt::format(
+                "{} is damaged, or very large: its reader was stopped after {:.0f} s", path,
+                seconds);
+    }
+    return fmt::format("{} is damaged: its reader gave no sensible answer", path);
+}
+
 }  // namespace
 
 std::vector<ReadFile> read_confined(std::span<const std::string> paths, const ReadFacts& read,
@@ -66,27 +81,7 @@ std::vector<ReadFile> read_confined(std::span<const std::string> paths, const Re
         for (const auto& path : paths)
             out.push_back(read_confined(std::span(&path, 1), read, memory).front());
     } else {
-        const auto& path = paths.front();
-        switch (answer.end) {
-            case Confined::End::returned:
-                out.push_back(
-                    {{}, fmt::format("{} is damaged: its reader gave no sensible answer", path)});
-                break;
-            case Confined::End::threw:
-                out.push_back({{}, fmt::format("{}: {}", path, answer.text)});
-                break;
-            case Confined::End::crashed:
-                out.push_back(
-                    {{}, fmt::format("{} is damaged: its reader crashed ({})", path, answer.text)});
-                break;
-            case Confined::End::too_slow:
-                out.push_back(
-                    {{},
-                     fmt::format(
-                         "{} is damaged, or very large: its reader was stopped after {:.0f} s",
-                         path, seconds)});
-                break;
-        }
+        out.push_back({{}, fault_of_child(answer, paths.front(), seconds)});
     }
     return out;
 }

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <initializer_list>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -105,6 +106,87 @@ void take_what_is_there(Document& document, const Registry& registry) {
     }
 }
 
+/// The page of a document that has none. It shows what the nodes carve that are there.
+class PageDraft {
+public:
+    explicit PageDraft(const Document& document) : document_(document) {
+        sheet_ = first({"preview.sheet"}, "lattice");
+        remap_ = first({"remap.grids"}, "seams");
+        seams_ = stated("seams", {sheet_, remap_});
+        solver_ = connected(document, seams_);
+        const auto* const built = first({"lattice.build", "lattice.box"}, "type");
+        lattice_ = stated("lattice", {sheet_, remap_, solver_});
+        if (!lattice_ && built) lattice_ = &lattice_name_.emplace(scalar(mark(), built->name));
+        before_ = carved_grids(built);
+        plays_ = !before_;
+        if (plays_) before_ = played_grids();
+        if (before_ && before_->kind == Value::Kind::list && !before_->items.empty())
+            before_ = &before_->items.front();
+    }
+    PageDraft(const PageDraft&) = delete;
+    PageDraft& operator=(const PageDraft&) = delete;
+
+    bool shows_nothing() const { return !before_; }
+    Value page() const {
+        auto out = empty_map(mark());
+        const auto state = [&](const char* name, std::string text) {
+            const auto value = scalar(mark(), std::move(text));
+            add(out, name, &value);
+        };
+        state("type", std::string(page_type));
+        add(out, "before", before_);
+        add(out, "grid", field(sheet_ ? sheet_ : played_, "grid"));
+        if (plays_) state("frames", std::to_string(most_played));
+        add(out, "lattice", lattice_);
+        add(out, "energy", stated("energy", {sheet_, solver_}));
+        add(out, "rig", field(connected(document_, lattice_), "rig"));
+        if (lattice_) add(out, "seams", seams_);
+        auto masks = empty_map(mark());
+        for (const auto* const each : {"protect", "attract"})
+            add(masks, each, field(solver_, each));
+        if (!masks.fields.empty()) add(out, "masks", &masks);
+        for (const auto* const each : {"count", "soft", "soft_time", "rim", "fade"})
+            add(out, each, field(remap_, each));
+        state("setting", solver_ ? setting_of(document_, *solver_) : "count");
+        state("path", "out/" + std::filesystem::path(document_.name).stem().string() + ".html");
+        return out;
+    }
+
+private:
+    const Mark& mark() const { return document_.nodes.mark; }
+    /// As first_of, where the page shows what is carved.
+    const Value::Field* first(std::initializer_list<std::string_view> types,
+                              std::string_view with) const {
+        return frames_carved_ ? nullptr : first_of(document_, types, with);
+    }
+    /// A field, of the first node that states it.
+    static const Value* stated(std::string_view name,
+                               std::initializer_list<const Value::Field*> nodes) {
+        for (const auto* const node : nodes)
+            if (const auto* const value = field(node, name)) return value;
+        return nullptr;
+    }
+    const Value* carved_grids(const Value::Field* built) const {
+        if (const auto* const before = sheet_ ? field(sheet_, "before") : field(remap_, "source"))
+            return before;
+        if (const auto* const fitted = field(built, "fit")) return fitted;
+        return field(solver_, "field");
+    }
+    /// Nothing is carved: the page plays what a sheet shows, or what is written.
+    const Value* played_grids() const {
+        if (played_) return field(played_, "before");
+        return field(first_of(document_, {"vdb.write", "image.write"}, "source"), "source");
+    }
+
+    const Document& document_;
+    const bool frames_carved_ = carves_frames(document_);
+    const Value::Field* const played_ = first_of(document_, {"preview.sheet"}, "before");
+    const Value::Field *sheet_ = nullptr, *remap_ = nullptr, *solver_ = nullptr;
+    const Value *seams_ = nullptr, *lattice_ = nullptr, *before_ = nullptr;
+    std::optional<Value> lattice_name_;  ///< of the lattice that is built, if no node takes it
+    bool plays_ = false;                 ///< nothing is carved
+};
+
 /// Whether a run would have to find seams: a solver upstream of a node is not in the work folder
 /// with all that is wanted.
 /// @throws Failure if nothing tells, since the work folder or an input can't be read
@@ -128,6 +210,19 @@ bool must_solve(const Pipeline& pipeline, const Registry& registry, const RunReq
     return false;
 }
 
+/// Runs what a page needs, and tells where it lies. @return an exit code
+int make_page(const Pipeline& pipeline, const Registry& registry, const RunRequest& request,
+              const std::string& node, bool left_out) {
+    const Interrupt interrupt(request.quiet ? std::string()
+                                            : interrupted_text(request.options.cache));
+    const int code = run_pipeline(pipeline, registry, request, [&] { return interrupt.asked(); });
+    if (code != exit_code::done) return code;
+    if (left_out && !request.quiet)
+        complain("the seams are not found yet: the page shows where; --solve finds them\n");
+    print(page_path(pipeline, node) + "\n");
+    return exit_code::done;
+}
+
 }  // namespace
 
 void ViewArguments::declare(CLI::App& verb) {
@@ -144,65 +239,15 @@ void ViewArguments::declare(CLI::App& verb) {
 std::string add_page(Document& document, std::string& name) {
     for (const auto& node : document.nodes.fields)
         if (type_of(node) == page_type) return name = node.name, std::string();
-    const bool frames_carved = carves_frames(document);
-    const auto first = [&](std::initializer_list<std::string_view> types, std::string_view with) {
-        return frames_carved ? nullptr : first_of(document, types, with);
-    };
-    const auto* const sheet = first({"preview.sheet"}, "lattice");
-    const auto* const remap = first({"remap.grids"}, "seams");
-    const auto* const seams =
-        sheet && field(sheet, "seams") ? field(sheet, "seams") : field(remap, "seams");
-    const auto* const solver = connected(document, seams);
-    const auto* const built = first({"lattice.build", "lattice.box"}, "type");
-    const auto mark = document.nodes.mark;
-    const auto lattice_name = scalar(mark, built ? built->name : std::string());
-    const auto* const lattice = sheet                      ? field(sheet, "lattice")
-                                : field(remap, "lattice")  ? field(remap, "lattice")
-                                : field(solver, "lattice") ? field(solver, "lattice")
-                                : built                    ? &lattice_name
-                                                           : nullptr;
-    const auto* before = sheet ? field(sheet, "before") : field(remap, "source");
-    if (!before && built) before = field(built, "fit");
-    if (!before) before = field(solver, "field");
-    // Nothing is carved: the page plays what a sheet shows, or what is written.
-    const bool plays = !before;
-    const auto* const played = first_of(document, {"preview.sheet"}, "before");
-    if (plays) before = played ? field(played, "before") : nullptr;
-    if (!before)
-        before = field(first_of(document, {"vdb.write", "image.write"}, "source"), "source");
-    if (before && before->kind == Value::Kind::list && !before->items.empty())
-        before = &before->items.front();
-    if (!before)
+    const PageDraft draft(document);
+    if (draft.shows_nothing())
         return fmt::format(
             "{}: it has no preview.page or preview.sheet, and carves and writes no grids, so that "
             "nothing says what to show; add a preview.page",
             document.name);
-
+    auto page = draft.page();
     for (name = "view"; document.nodes.find(name);) name += "_";
-    auto page = empty_map(mark);
-    const auto type = scalar(mark, std::string(page_type));
-    add(page, "type", &type);
-    add(page, "before", before);
-    add(page, "grid", field(sheet ? sheet : played, "grid"));
-    const auto frames = scalar(mark, std::to_string(most_played));
-    if (plays) add(page, "frames", &frames);
-    if (lattice) add(page, "lattice", lattice);
-    add(page, "energy",
-        sheet && field(sheet, "energy") ? field(sheet, "energy") : field(solver, "energy"));
-    add(page, "rig", field(connected(document, lattice), "rig"));
-    if (lattice) add(page, "seams", seams);
-    auto masks = empty_map(mark);
-    for (const auto* const each : {"protect", "attract"}) add(masks, each, field(solver, each));
-    if (!masks.fields.empty()) add(page, "masks", &masks);
-    for (const auto* const each : {"count", "soft", "soft_time", "rim", "fade"})
-        add(page, each, field(remap, each));
-    const auto setting =
-        scalar(mark, solver ? setting_of(document, *solver) : std::string("count"));
-    add(page, "setting", &setting);
-    const auto path =
-        scalar(mark, "out/" + std::filesystem::path(document.name).stem().string() + ".html");
-    add(page, "path", &path);
-    document.nodes.fields.push_back({name, mark, std::move(page)});
+    document.nodes.fields.push_back({name, document.nodes.mark, std::move(page)});
     return {};
 }
 
@@ -258,14 +303,7 @@ int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Regis
         leave_out_seams(document.nodes.find(name)->value);
         if (!build()) return exit_code::usage;
     }
-    const Interrupt interrupt(request->quiet ? std::string()
-                                             : interrupted_text(request->options.cache));
-    const int code = run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
-    if (code != exit_code::done) return code;
-    if (left_out && !request->quiet)
-        complain("the seams are not found yet: the page shows where; --solve finds them\n");
-    print(page_path(pipeline, name) + "\n");
-    return exit_code::done;
+    return make_page(pipeline, registry, *request, name, left_out);
 }
 
 }  // namespace fluidcarve

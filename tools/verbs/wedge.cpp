@@ -28,7 +28,6 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <numeric>
 #include <utility>
 
 namespace fluidcarve {
@@ -262,6 +261,28 @@ bool execute(WedgeRun& run, RunArguments& arguments, const Registry& registry,
     return true;
 }
 
+/// Runs all of the pipelines.
+/// @param code  becomes the first exit code that is not 0
+/// @return false if the options are wrong, or the user stops the wedge
+bool execute_all(std::vector<WedgeRun>& runs, RunArguments& arguments, const Registry& registry,
+                 const Interrupt& interrupt, int& code) {
+    // What finds most comes first: the others take their part of it from the work folder.
+    std::vector<WedgeRun*> order;
+    for (auto& run : runs) order.push_back(&run);
+    std::ranges::stable_sort(order, std::ranges::greater(),
+                             [](const WedgeRun* run) { return wanted(run->pipeline); });
+    for (std::size_t place = 0; place < order.size(); ++place) {
+        auto& run = *order[place];
+        if (!arguments.request.quiet)
+            complain(
+                fmt::format("{} of {}: {}\n", place + 1, order.size(), text_of(run.combination)));
+        if (!execute(run, arguments, registry, interrupt)) return code = exit_code::usage, false;
+        if (run.code == exit_code::interrupted) return code = run.code, false;
+        if (code == exit_code::done) code = run.code;
+    }
+    return true;
+}
+
 /// A row of texts for each run: its values, and what came of it.
 std::string table_of(const std::vector<Varied>& varied, const std::vector<WedgeRun>& runs) {
     std::vector<std::size_t> widths;
@@ -358,24 +379,10 @@ int wedge_pipeline(const PipelineArguments& pipeline, WedgeArguments& arguments,
     Problems problems;
     auto runs = prepare(pipeline, varied, arguments.out, registry, problems);
     if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
-
-    // What finds most comes first: the others take their part of it from the work folder.
-    std::vector<std::size_t> order(runs.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::ranges::stable_sort(order, std::ranges::greater(),
-                             [&](std::size_t n) { return wanted(runs[n].pipeline); });
     const Interrupt interrupt(own.quiet ? std::string()
                                         : interrupted_text(!arguments.run.no_cache));
     int code = exit_code::done;
-    for (std::size_t place = 0; place < order.size(); ++place) {
-        auto& run = runs[order[place]];
-        if (!own.quiet)
-            complain(
-                fmt::format("{} of {}: {}\n", place + 1, order.size(), text_of(run.combination)));
-        if (!execute(run, arguments.run, registry, interrupt)) return exit_code::usage;
-        if (run.code == exit_code::interrupted) return run.code;
-        if (code == exit_code::done) code = run.code;
-    }
+    if (!execute_all(runs, arguments.run, registry, interrupt, code)) return code;
     print(table_of(varied, runs));
     try {
         show(pipeline.path, arguments.out, varied, runs);

@@ -59,6 +59,31 @@ std::string amount_text(const WedgeJson& warp) {
                               : amount.get<std::string>();
 }
 
+/// A picture of a run; or why there is none.
+std::string run_picture(const std::string& name, const std::string& path) {
+    try {
+        return picture_figure(fmt::format("{}: {}", name, path),
+                              InputFile(path, {.what = "a picture"}).whole());
+    } catch (const Unreadable& unreadable) {
+        return element("p class=\"bad\"", fmt::format("{} {}", path, unreadable.fault)) + "\n";
+    }
+}
+
+std::string run_section(const WedgeResult& run) {
+    std::vector<std::string> texts;
+    for (const auto& [target, value] : run.differs)
+        texts.push_back(fmt::format("{} = {}", target, value));
+    const auto name = fmt::format("{}", fmt::join(texts, ", "));
+    auto out = element("h2", name) + "\n";
+    for (const auto& line : run.results)
+        out += element(run.failed ? "p class=\"bad\"" : "p", line) + "\n";
+    if (!run.picture.empty()) out += run_picture(name, run.picture);
+    if (!run.report.empty())
+        out +=
+            fmt::format("<p><a href=\"{}\">The report of this run</a></p>\n", xml_text(run.report));
+    return out;
+}
+
 }  // namespace
 
 std::vector<std::string> wedge_results(const WedgeJson& report) {
@@ -105,28 +130,7 @@ std::string wedge_page(const std::string& pipeline, const std::string& when,
         out += fmt::format(
             "<p><a href=\"{}\">All of them side by side, to turn, play and carve</a></p>\n",
             xml_text(view));
-    for (const auto& each : results) {
-        std::vector<std::string> texts;
-        for (const auto& [target, value] : each.differs)
-            texts.push_back(fmt::format("{} = {}", target, value));
-        const auto name = fmt::format("{}", fmt::join(texts, ", "));
-        out += element("h2", name) + "\n";
-        for (const auto& line : each.results)
-            out += element(each.failed ? "p class=\"bad\"" : "p", line) + "\n";
-        if (!each.picture.empty()) {
-            try {
-                out += picture_figure(fmt::format("{}: {}", name, each.picture),
-                                      InputFile(each.picture, {.what = "a picture"}).whole());
-            } catch (const Unreadable& unreadable) {
-                out += element("p class=\"bad\"",
-                               fmt::format("{} {}", each.picture, unreadable.fault)) +
-                       "\n";
-            }
-        }
-        if (!each.report.empty())
-            out += fmt::format("<p><a href=\"{}\">The report of this run</a></p>\n",
-                               xml_text(each.report));
-    }
+    for (const auto& each : results) out += run_section(each);
     return out + "</body>\n</html>\n";
 }
 

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
+#include <map>
 
 namespace fluidcarve {
 
@@ -23,62 +25,30 @@ enum class Gives {
 
 /// The allowed functions: they read only their arguments and the voxel's position, and have no
 /// state.
-const std::map<std::string, Gives>& functions() {
-    static const std::map<std::string, Gives> all{
-        {"abs", Gives::as_given},
-        {"acos", Gives::fraction},
-        {"asin", Gives::fraction},
-        {"atan", Gives::fraction},
-        {"atan2", Gives::fraction},
-        {"cbrt", Gives::fraction},
-        {"ceil", Gives::fraction},
-        {"clamp", Gives::as_given},
-        {"cos", Gives::fraction},
-        {"cosh", Gives::fraction},
-        {"cross", Gives::as_given},
-        {"curlsimplexnoise", Gives::fraction},
-        {"degrees", Gives::fraction},
-        {"dot", Gives::as_given},
-        {"euclideanmod", Gives::as_given},
-        {"exp", Gives::fraction},
-        {"exp2", Gives::fraction},
-        {"fit", Gives::as_given},
-        {"floor", Gives::fraction},
-        {"floormod", Gives::as_given},
-        {"getcoord", Gives::whole},
-        {"getcoordx", Gives::whole},
-        {"getcoordy", Gives::whole},
-        {"getcoordz", Gives::whole},
-        {"getvoxelpws", Gives::fraction},
-        {"hsvtorgb", Gives::fraction},
-        {"isfinite", Gives::whole},
-        {"isinf", Gives::whole},
-        {"isnan", Gives::whole},
-        {"length", Gives::fraction},
-        {"lengthsq", Gives::as_given},
-        {"lerp", Gives::as_given},
-        {"log", Gives::fraction},
-        {"log10", Gives::fraction},
-        {"log2", Gives::fraction},
-        {"max", Gives::as_given},
-        {"min", Gives::as_given},
-        {"normalize", Gives::fraction},
-        {"pow", Gives::as_given},
-        {"radians", Gives::fraction},
-        {"rand", Gives::fraction},
-        {"rand32", Gives::fraction},
-        {"rgbtohsv", Gives::fraction},
-        {"round", Gives::fraction},
-        {"sign", Gives::whole},
-        {"signbit", Gives::whole},
-        {"simplexnoise", Gives::fraction},
-        {"sin", Gives::fraction},
-        {"sinh", Gives::fraction},
-        {"sqrt", Gives::fraction},
-        {"tan", Gives::fraction},
-        {"tanh", Gives::fraction},
-        {"truncatemod", Gives::as_given},
+std::map<std::string, Gives> all_functions() {
+    std::map<std::string, Gives> out;
+    const auto add = [&](Gives gives, std::initializer_list<const char*> names) {
+        for (const auto* const name : names) out.emplace(name, gives);
     };
+    add(Gives::fraction, {"acos",    "asin",         "atan",
+                          "atan2",   "cbrt",         "ceil",
+                          "cos",     "cosh",         "curlsimplexnoise",
+                          "degrees", "exp",          "exp2",
+                          "floor",   "getvoxelpws",  "hsvtorgb",
+                          "length",  "log",          "log10",
+                          "log2",    "normalize",    "radians",
+                          "rand",    "rand32",       "rgbtohsv",
+                          "round",   "simplexnoise", "sin",
+                          "sinh",    "sqrt",         "tan",
+                          "tanh"});
+    add(Gives::as_given, {"abs", "clamp", "cross", "dot", "euclideanmod", "fit", "floormod",
+                          "lengthsq", "lerp", "max", "min", "pow", "truncatemod"});
+    add(Gives::whole, {"getcoord", "getcoordx", "getcoordy", "getcoordz", "isfinite", "isinf",
+                       "isnan", "sign", "signbit"});
+    return out;
+}
+const std::map<std::string, Gives>& functions() {
+    static const auto all = all_functions();
     return all;
 }
 

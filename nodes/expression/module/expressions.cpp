@@ -24,6 +24,27 @@ struct Executable : CompiledExpression {
     ax::VolumeExecutable::Ptr program;
 };
 
+/// Compiles a program that has passed the check.
+/// @return null if AX refuses it; `faults` says why
+ax::VolumeExecutable::Ptr program_of(const Expression& expression, const ExpressionSource& source,
+                                     const ExpressionChecker& checker,
+                                     std::vector<ExpressionFault>& faults) {
+    const auto before = faults.size();
+    // The first message only: the others mostly follow from it.
+    ax::Logger logger([&](const std::string& message) {
+        if (faults.size() == before) faults.push_back(fault_of(message));
+    });
+    logger.setNumberedOutput(false);
+    logger.setErrorPrefix("");
+    try {
+        const auto tree = rewritten(expression, source, checker.reads(), logger);
+        return ax::Compiler().compile<ax::VolumeExecutable>(*tree, logger);
+    } catch (const openvdb::Exception& error) {
+        if (faults.size() == before) faults.push_back({"code", 0, 0, error.what()});
+    }
+    return nullptr;
+}
+
 std::shared_ptr<const CompiledExpression> compile(const Expression& expression,
                                                   std::vector<ExpressionFault>& faults) {
     // Neither the parser nor the start of LLVM is thread-safe.
@@ -44,19 +65,8 @@ std::shared_ptr<const CompiledExpression> compile(const Expression& expression,
     checker.check();
     if (faults.size() > before) return nullptr;
 
-    // The first message only: the others mostly follow from it.
-    ax::Logger logger([&](const std::string& message) {
-        if (faults.size() == before) faults.push_back(fault_of(message));
-    });
-    logger.setNumberedOutput(false);
-    logger.setErrorPrefix("");
     const auto out = std::make_shared<Executable>();
-    try {
-        const auto tree = rewritten(expression, source, checker.reads(), logger);
-        out->program = ax::Compiler().compile<ax::VolumeExecutable>(*tree, logger);
-    } catch (const openvdb::Exception& error) {
-        if (faults.size() == before) faults.push_back({"code", 0, 0, error.what()});
-    }
+    out->program = program_of(expression, source, checker, faults);
     if (faults.size() > before || !out->program) return nullptr;
     checker.warn_of_unread();
     out->reads = checker.reads();

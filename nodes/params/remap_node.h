@@ -1,0 +1,61 @@
+#pragma once
+
+#include "carve/remap/joining.h"
+#include "carve/seam/carve_map.h"
+#include "carve/time/frame_carve.h"
+#include "carve/time/frames_carved.h"
+#include "graph/types/node_type.h"
+#include "nodes/params/carve_inputs.h"
+#include "nodes/params/rim.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fluidcarve {
+
+/// What nodes share that carve. Of seams of frames, frames leave a sequence that is there as a
+/// whole.
+class RemapNode {
+public:
+    struct Params : JoinParams {
+        Auto<Count> count;
+        Rim rim = Rim::cut;
+        double rim_fade = 8;
+        bool transform_vectors = false;
+        std::optional<FramesCarved> in_time;  ///< if the seams are seams of frames
+    };
+
+    static void check(const Params& params, NodeCheck& check);
+    static bool gathers(const Params& params) { return params.in_time.has_value(); }
+    static std::vector<int> retimes(const Params& params, const std::vector<int>& frames);
+    void add(const Params&, const auto& io, Context& context) {
+        frames_.add(io.source, io.lattice, context.frame(), context.limits());
+    }
+    void finish(const Params& params, auto& io, Context& context) {
+        finish_frames(params, *io.seams.front(), context);
+    }
+
+protected:
+    /// @param frame  a number, or the context whose frame it is
+    static CarveMap map_of(const Params& params, const auto& io, const auto& frame) {
+        auto out = carve_map(*io.lattice, io.seams, params.count, frame, params);
+        if (params.rim == Rim::fade) out.fade(params.rim_fade);
+        return out;
+    }
+    /// @param idle  a parameter that is stated for nothing if frames are carved; empty: none
+    static void foresee_frames(const Params& params, const std::string& idle, Outlook& ahead);
+    /// The parameters of all nodes that have no effect on frames.
+    static std::string without_effect(const Params& params) {
+        return params.rim != Rim::cut ? "rim" : "";
+    }
+    /// A frame in the report.
+    static std::string frame_name(const Context& context) {
+        return context.per_frame() ? std::to_string(context.frame()) : "all";
+    }
+    void finish_frames(const Params& params, const Seams& seams, Context& context);
+
+    FrameCarve frames_;  ///< of seams of frames
+};
+
+}  // namespace fluidcarve
