@@ -40,11 +40,11 @@ int main() {
     const auto lattice =
         std::make_shared<const Lattice>(make_box({0, 0, 0}, {68, 26, 26}, 1, {0, 1, 2}));
 
-    SolverParams wish;
-    wish.axis = Axis::u;
-    wish.count = {-20, true};       // a fifth of the vertices along u
-    wish.thickness = std::nullopt;  // as thick as the puffs are wide
-    SeamSearch search(wish, {1, 2, 3, 4, 5, 6});
+    SolverParams params;
+    params.axis = Axis::u;
+    params.count = {-20, true};       // a fifth of the vertices along u
+    params.thickness = std::nullopt;  // as thick as the puffs are wide
+    SeamSearch search(params, {1, 2, 3, 4, 5, 6});
     for (const auto& frame : frames)
         search.add(lattice, {*gradient_energy(*frame, 1), frame.get()});
     const auto seams = search.find();

@@ -2,6 +2,12 @@
 #include "formats/file/path_pattern.h"
 #include "graph/pipeline_builder.h"
 
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <tuple>
+#include <utility>
+
 namespace fluidcarve {
 
 namespace {

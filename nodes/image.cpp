@@ -181,12 +181,12 @@ struct ImageWrite {
 
     static void run(const Params& params, Ports& io, Context& context) {
         const auto path = params.path.at(context.frame());
-        ImageWish wish{format_of_name(path), {}, params.channels};
-        if (params.depth) wish.depth = ParamTraits<Depth>::text(*params.depth);
+        ImageRequest request{format_of_name(path), {}, params.channels};
+        if (params.depth) request.depth = ParamTraits<Depth>::text(*params.depth);
         const auto warn = [&](const std::string& message) { context.warn(message); };
         const auto& module = load_module<ImageModule>("images");
         try {
-            auto image = image_of(*io.source, wish, warn);
+            auto image = image_of(*io.source, request, warn);
             if (image.format == "jpeg")
                 warn(
                     "JPEG keeps 8 bits and changes values a little each time it is written; PNG, "
@@ -198,7 +198,7 @@ struct ImageWrite {
                     image.attributes.push_back({name, "string", text});
             OutputFile output(path);
             module.write(output.aside(), image, params.quality);
-            verify(module, output, image, *wish.format, warn);
+            verify(module, output, image, *request.format, warn);
             add_provenance(output.aside(), provenance);
             output.commit();
         } catch (const Failure& failure) {

@@ -83,7 +83,7 @@ protected:
     void close(const Params& params, const std::vector<int>& numbers, const Difference& difference,
                Context& context) {
         place_ = Place(params, numbers);
-        loop_ = best_loop(wish(params), numbers.size(), difference);
+        loop_ = best_loop(request(params), numbers.size(), difference);
         const int from = numbers[loop_.first], to = numbers[loop_.first + loop_.length - 1];
         context.report("loop", {{"first", from},
                                 {"last", to},
@@ -128,9 +128,10 @@ private:
         }
     };
 
-    static LoopWish wish(const Params& params) {
+    static LoopRequest request(const Params& params) {
         const auto [least, most] = params.lengths.of;
-        LoopWish out{static_cast<std::size_t>(least), static_cast<std::size_t>(most), std::nullopt};
+        LoopRequest out{static_cast<std::size_t>(least), static_cast<std::size_t>(most),
+                        std::nullopt};
         if (params.fade) out.fade = static_cast<std::size_t>(*params.fade);
         return out;
     }
@@ -144,7 +145,7 @@ private:
             "their fade will be seen",
             loop_.difference);
         const auto near = loop_.length / 4;
-        auto wider = wish(params);
+        auto wider = request(params);
         wider.least = std::max(loop_.fade + 1, loop_.length - near);
         wider.most = std::min(loop_.length + near, frames);
         const auto other = best_loop(wider, frames, difference);
@@ -318,7 +319,7 @@ Declare<Node>& declare_loop(Declare<Node>& node) {
 NodeType time_loop() {
     return declare_loop(
                Declare<LoopVolume>("time.loop",
-                                   "A loop of a wished length: of all parts of the sequence the "
+                                   "A loop of a chosen length: of all parts of the sequence the "
                                    "one that closes best. Its last frames go over into those "
                                    "before its first, each place when both match best there. For "
                                    "points it stands for time.loop_points, for a mesh for "

@@ -12,29 +12,29 @@
 namespace fluidcarve {
 
 void SeamSearch::add(const Ref<Lattice>& lattice, const FrameGrids& grids) {
-    require_ends(wish_, lattice->form());
-    const int finest = finest_for(wish_, *lattice);
+    require_ends(params_, lattice->form());
+    const int finest = finest_for(params_, *lattice);
     require_frame_fits(grids, *lattice, limits_.memory, finest);
-    const auto frame = sample_frame(grids, lattice, wish_.axis, wish_.measure, finest);
-    gathered_.add(wish_, frame, {frames_.at(added_), added_, frames_.size()}, limits_);
+    const auto frame = sample_frame(grids, lattice, params_.axis, params_.measure, finest);
+    gathered_.add(params_, frame, {frames_.at(added_), added_, frames_.size()}, limits_);
     ++added_;
 }
 
 Ref<Seams> SeamSearch::find(const Tick& tick) {
     const std::vector<Ref<Seams>> before;
-    wish_ = params_for(wish_, gathered_.has_field(), frames_.size());
+    params_ = params_for(params_, gathered_.has_field(), frames_.size());
     const CarvedSpace space(gathered_.lattices(), before, frames_);
     const int finest = gathered_.finest();
-    const auto task = task_of(wish_, space, finest);
-    auto out = std::make_shared<Seams>(empty_seams(wish_, task, space));
+    const auto task = task_of(params_, space, finest);
+    auto out = std::make_shared<Seams>(empty_seams(params_, task, space));
     if (task.count == 0) return out;
     gathered_.require_met();
-    auto [energy, thick] = gathered_.take(wish_, space, limits_);
+    auto [energy, thick] = gathered_.take(params_, space, limits_);
     if (thick) out->thickness = thick->thickness * finest;
     const FindSeam solver = Pyramid(Quality::normal, 16);
     const PartFinder found(energy, task, space, solver, limits_);
     Continued search;
-    search.best_effort = wish_.best_effort;
+    search.best_effort = params_.best_effort;
     search.thick = thick;
     int count = task.count;
     // The pair window comes first: seams there do not move the window below.

@@ -22,8 +22,8 @@ namespace fluidcarve {
 class SeamSearch {
 public:
     /// @param frames  their numbers, rising, at least one
-    SeamSearch(SolverParams wish, std::vector<int> frames, Limits limits = {})
-        : wish_(std::move(wish)), frames_(std::move(frames)), limits_(std::move(limits)) {}
+    SeamSearch(SolverParams params, std::vector<int> frames, Limits limits = {})
+        : params_(std::move(params)), frames_(std::move(frames)), limits_(std::move(limits)) {}
 
     /// Adds the next frame. All frames have one lattice, or each its own of the same shape.
     /// @param grids   energy >= 0; optionally field and masks; thick seams need the field
@@ -38,7 +38,7 @@ public:
     Ref<Seams> find(const Tick& tick = [](double) {});
 
 private:
-    SolverParams wish_;
+    SolverParams params_;
     std::vector<int> frames_;
     Limits limits_;
     std::size_t added_ = 0;

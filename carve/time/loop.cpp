@@ -17,11 +17,11 @@ Loop::Shown Loop::shown(std::size_t n) const {
 
 std::size_t frame_before(std::size_t at, std::size_t length) { return at - std::min(at, length); }
 
-Loop best_loop(const LoopWish& wish, std::size_t frames,
+Loop best_loop(const LoopRequest& request, std::size_t frames,
                const std::function<double(std::size_t, std::size_t)>& difference) {
     Loop out;
-    for (auto length = wish.least; length <= wish.most; ++length) {
-        const auto fade = wish.fade.value_or((length + 3) / 4);
+    for (auto length = request.least; length <= request.most; ++length) {
+        const auto fade = request.fade.value_or((length + 3) / 4);
         std::vector<double> off;  // difference of each frame that may fade
         for (auto at = length - fade; at < frames; ++at)
             off.push_back(difference(frame_before(at, length), at));

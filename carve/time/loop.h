@@ -8,7 +8,7 @@
 namespace fluidcarve {
 
 /// The loop that is wanted.
-struct LoopWish {
+struct LoopRequest {
     std::size_t least = 2, most = 2;  ///< lengths, frames
     std::optional<std::size_t> fade;  ///< frames; nothing: a quarter of the length
 };
@@ -39,7 +39,7 @@ std::size_t frame_before(std::size_t at, std::size_t length);
 /// The loop that closes best, among all wanted lengths and all first frames.
 /// @param frames      of the sequence, at least `most`
 /// @param difference  of two frames by their index
-Loop best_loop(const LoopWish& wish, std::size_t frames,
+Loop best_loop(const LoopRequest& request, std::size_t frames,
                const std::function<double(std::size_t, std::size_t)>& difference);
 
 }  // namespace fluidcarve

@@ -25,21 +25,21 @@ int least_step(const std::vector<int>& frames) {
 
 }  // namespace
 
-Pace::Pace(const PaceWish& wish, std::vector<int> source) : source_(std::move(source)) {
+Pace::Pace(const PaceRequest& request, std::vector<int> source) : source_(std::move(source)) {
     const double low = source_.front(), high = source_.back();
-    first_ = wish.start.value_or(source_.front());
+    first_ = request.start.value_or(source_.front());
     step_ = least_step(source_);
     double last = first_;
-    if (wish.speed) {
-        if (high > low) last = first_ + (high - low) / std::abs(*wish.speed);
-        points_ = *wish.speed > 0 ? std::vector<Point>{{double(first_), low}, {last, high}}
-                                  : std::vector<Point>{{double(first_), high}, {last, low}};
-    } else if (wish.count) {
-        last = first_ + static_cast<double>(step_) * (*wish.count - 1);
+    if (request.speed) {
+        if (high > low) last = first_ + (high - low) / std::abs(*request.speed);
+        points_ = *request.speed > 0 ? std::vector<Point>{{double(first_), low}, {last, high}}
+                                     : std::vector<Point>{{double(first_), high}, {last, low}};
+    } else if (request.count) {
+        last = first_ + static_cast<double>(step_) * (*request.count - 1);
         points_ = {{double(first_), low}, {last, high}};
     } else {
-        if (wish.curve.empty()) throw Failure("no speed, number of frames or curve is stated");
-        for (const auto& point : wish.curve) {
+        if (request.curve.empty()) throw Failure("no speed, number of frames or curve is stated");
+        for (const auto& point : request.curve) {
             if (point.size() != 2)
                 throw Failure("a point of 'curve' is [frame, frame of the source]");
             points_.push_back({point[0], point[1]});

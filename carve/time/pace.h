@@ -9,7 +9,7 @@ namespace fluidcarve {
 
 /// The wanted map from frames of a retimed sequence to moments of its source. One of `speed`,
 /// `count` and `curve` is stated.
-struct PaceWish {
+struct PaceRequest {
     Auto<double> speed;  ///< frames of the source per frame; below 0: backwards
     Auto<int> count;     ///< number of frames that show the whole source
     /// [frame, frame of the source], rising in the first; linear between.
@@ -31,7 +31,7 @@ public:
     /// @param source  frame numbers, rising, at least one
     /// @throws Failure if nothing is stated, or the curve leads beyond the source, or makes more
     ///   than a million frames
-    Pace(const PaceWish& wish, std::vector<int> source);
+    Pace(const PaceRequest& request, std::vector<int> source);
 
     /// Frame numbers of the retimed sequence.
     std::vector<int> frames() const;

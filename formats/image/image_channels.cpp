@@ -46,7 +46,7 @@ void sort_colours(Channels& channels) {
 
 }  // namespace
 
-Channels channels_of(const Volume& volume, const ImageWish& wish) {
+Channels channels_of(const Volume& volume, const ImageRequest& request) {
     Channels out;
     const auto take = [&](const VolumeGrid& held) {
         const auto* const grid = &held.header();
@@ -57,8 +57,8 @@ Channels channels_of(const Volume& volume, const ImageWish& wish) {
                             grid->getName(), grid->type()));
         out.push_back(held);
     };
-    if (wish.channels) {
-        for (const auto& name : *wish.channels) {
+    if (request.channels) {
+        for (const auto& name : *request.channels) {
             const auto place = volume.place(name);
             if (!place) throw Failure(no_channel(name, volume.names()));
             take(volume.grids[*place]);
@@ -92,8 +92,8 @@ void require_layout(const Channels& channels, const ImageFormat& format) {
                     format.shown, png ? ", each with opacity or without" : "", names_of(channels)));
 }
 
-std::vector<std::string> depths_of(const Channels& channels, const ImageWish& wish) {
-    const auto& format = *wish.format;
+std::vector<std::string> depths_of(const Channels& channels, const ImageRequest& request) {
+    const auto& format = *request.format;
     std::vector<std::string> read;
     for (const auto& channel : channels) {
         const auto fallback = channel.header().saveFloatAsHalf() ? "half"
@@ -107,9 +107,9 @@ std::vector<std::string> depths_of(const Channels& channels, const ImageWish& wi
                 fmt::format("channel '{}' holds whole numbers of 32 bits, which {} can't keep; "
                             "name the channels to write, or write EXR",
                             channel.name(), read.back() == "int" ? "no format" : format.shown));
-        if (wish.depth && !bits) read.back() = *wish.depth;
+        if (request.depth && !bits) read.back() = *request.depth;
     }
-    if (wish.depth) return read;
+    if (request.depth) return read;
     const auto holds_all = [](const std::string& depth, std::span<const std::string> all) {
         return std::all_of(all.begin(), all.end(),
                            [&](const auto& each) { return depth_holds(depth, each); });

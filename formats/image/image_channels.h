@@ -26,7 +26,7 @@ T meta(const openvdb::MetaMap& from, const char* key, const T& fallback) {
 using Channels = std::vector<VolumeGrid>;
 
 /// How to write a volume as an image.
-struct ImageWish {
+struct ImageRequest {
     const ImageFormat* format = nullptr;
     std::optional<std::string> depth;  ///< depth of all channels; nothing: as they were read
     /// Grids to write, in this order; nothing: all.
@@ -38,11 +38,11 @@ bool is_identity(const openvdb::GridBase& grid);
 
 std::string names_of(const Channels& channels);
 
-Channels channels_of(const Volume& volume, const ImageWish& wish);
+Channels channels_of(const Volume& volume, const ImageRequest& request);
 
 /// Checks that the format can hold these channels. @throws Failure with the remedy
 void require_layout(const Channels& channels, const ImageFormat& format);
 
-std::vector<std::string> depths_of(const Channels& channels, const ImageWish& wish);
+std::vector<std::string> depths_of(const Channels& channels, const ImageRequest& request);
 
 }  // namespace fluidcarve

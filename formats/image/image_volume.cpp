@@ -459,14 +459,14 @@ std::uint64_t bytes_as_volume(const Image& header) {
            static_cast<std::uint64_t>(header.data.height) * sizeof(float);
 }
 
-Image image_of(const Volume& volume, const ImageWish& wish,
+Image image_of(const Volume& volume, const ImageRequest& request,
                const std::function<void(const std::string&)>& warn) {
-    const auto channels = channels_of(volume, wish);
-    require_layout(channels, *wish.format);
-    const auto depths = depths_of(channels, wish);
+    const auto channels = channels_of(volume, request);
+    require_layout(channels, *request.format);
+    const auto depths = depths_of(channels, request);
 
     Image out;
-    out.format = wish.format->name;
+    out.format = request.format->name;
     bool same_depth = true;
     for (std::size_t c = 0; c < channels.size(); ++c) {
         const auto& grid = channels[c].header();
@@ -488,7 +488,7 @@ Image image_of(const Volume& volume, const ImageWish& wish,
         if (united(out.data, out.display) != out.display)
             warn(
                 fmt::format("{} can't hold pixels outside of the display window; they are left out",
-                            wish.format->shown));
+                            request.format->shown));
         reframe(out, out.display);
         out.data.x = out.data.y = out.display.x = out.display.y = 0;
     }

@@ -31,7 +31,7 @@ std::uint64_t bytes_as_volume(const Image& header);
 /// @param warn  receives messages about values that are lost
 /// @throws Failure naming what the format can't hold, with the remedy; or if a grid is not a float
 ///   grid
-Image image_of(const Volume& volume, const ImageWish& wish,
+Image image_of(const Volume& volume, const ImageRequest& request,
                const std::function<void(const std::string&)>& warn);
 
 }  // namespace fluidcarve

@@ -84,19 +84,20 @@ bool put_as_own(UsdGeometry& out, const PointTable& points, const UsdAttribute& 
 }  // namespace
 
 UsdPointsUnsaid write_points_usda(const std::string& path, const Points& points,
-                                  const UsdPointsWish& wish) {
+                                  const UsdPointsRequest& request) {
     UsdPointsUnsaid unsaid;
-    UsdGeometry out("Points", wish.frame);
+    UsdGeometry out("Points", request.frame);
     std::vector<double> positions;
     for (const auto& point : points.positions()) {
-        const auto at =
-            wish.placement ? (point - wish.placement->translate) / wish.placement->scale : point;
+        const auto at = request.placement
+                            ? (point - request.placement->translate) / request.placement->scale
+                            : point;
         positions.insert(positions.end(), {at.x(), at.y(), at.z()});
     }
     out.add_positions(positions);
     const auto columns = points.ply ? *points.ply : ply_of(*points.grid, unsaid.attributes);
     const auto put_width = [&](double width) { out.add({"float", "widths", "constant"}, {width}); };
-    if (wish.width) put_width(*wish.width);
+    if (request.width) put_width(*request.width);
     for (const auto& attribute : attributes_of(columns)) {
         const auto type = columns.columns[attribute.first].type;
         if (!put_as_own(out, columns, attribute) &&
@@ -104,7 +105,7 @@ UsdPointsUnsaid write_points_usda(const std::string& path, const Points& points,
                              values_of(columns, attribute)))
             unsaid.attributes.push_back(attribute.name);
     }
-    const double unit = wish.placement ? wish.placement->scale : 1;
+    const double unit = request.placement ? request.placement->scale : 1;
     if (!out.has("widths") && points.grid) put_width(points.grid->voxelSize().x() / 2 / unit);
     unsaid.width = !out.has("widths");
     write_usda(path, out.text());

@@ -9,7 +9,7 @@
 namespace fluidcarve {
 
 /// How points go to a .usda file.
-struct UsdPointsWish {
+struct UsdPointsRequest {
     const Placement* placement = nullptr;  ///< the placement to undo in positions; null: none
     std::optional<double> width;  ///< width of every point, world units; nothing: twice the
                                   ///< attribute `radius` or `pscale`, else half a voxel
@@ -27,6 +27,6 @@ struct UsdPointsUnsaid {
 /// primvars. The file appears whole or not at all.
 /// @throws Failure if the file can't be written
 UsdPointsUnsaid write_points_usda(const std::string& path, const Points& points,
-                                  const UsdPointsWish& wish);
+                                  const UsdPointsRequest& request);
 
 }  // namespace fluidcarve

@@ -94,10 +94,11 @@ struct PreviewPage {
 
     void finish(const Params& params, Ports&, Context& context) {
         if (frames_.empty()) throw Failure("none of the frames to show was computed");
-        const auto wish = wish_of(params, context);
-        const auto scene = page_scene(wish, frames_);
-        const auto page = params.frames ? SmallPage{page_html(wish.title, {scene}), frames_.size()}
-                                        : small_page(wish.title, {scene});
+        const auto request = request_of(params, context);
+        const auto scene = page_scene(request, frames_);
+        const auto page = params.frames
+                              ? SmallPage{page_html(request.title, {scene}), frames_.size()}
+                              : small_page(request.title, {scene});
         require_page_size(page.html, fmt::format("lower `frames` ({}) or `voxels`", page.frames));
         if (page.frames < frames_.size())
             context.warn(fmt::format(
@@ -131,8 +132,8 @@ private:
                                   volume.names()));
     }
 
-    PageWish wish_of(const Params& params, const Context& context) const {
-        PageWish out;
+    PageRequest request_of(const Params& params, const Context& context) const {
+        PageRequest out;
         out.grid = frames_.front().before->getName();
         out.title = out.grid;
         for (const auto& [name, text] : context.provenance())

@@ -196,13 +196,13 @@ void require_one_space(const std::string& grid, const std::vector<PageFrame>& fr
 }
 
 /// The voxels of a page that shows all frames.
-PageGrid page_of(const PageWish& wish, const std::vector<PageFrame>& frames) {
+PageGrid page_of(const PageRequest& request, const std::vector<PageFrame>& frames) {
     const auto box = shown_box(frames);
-    require_near(wish.grid, box);
+    require_near(request.grid, box);
     const bool flat = box.min().x() == box.max().x() || box.min().y() == box.max().y() ||
                       box.min().z() == box.max().z();
     return page_grid(frames.front().before->transformPtr(), box,
-                     flat ? wish.flat_voxels : wish.voxels);
+                     flat ? request.flat_voxels : request.voxels);
 }
 
 /// The grids and energies of all frames in page voxels, with one scale for each.
@@ -247,11 +247,11 @@ private:
 };
 
 /// What holds for all frames, but what they share.
-Json common_json(const PageWish& wish, const PageFrame& first, const PageGrid& page,
+Json common_json(const PageRequest& request, const PageFrame& first, const PageGrid& page,
                  const PageVolumes& volumes) {
     Json out;
-    out["title"] = wish.title;
-    out["grid"] = wish.grid;
+    out["title"] = request.title;
+    out["grid"] = request.grid;
     out["levelSet"] = volumes.level_set();
     out["size"] = page.size;
     out["step"] = page.step;
@@ -261,10 +261,11 @@ Json common_json(const PageWish& wish, const PageFrame& first, const PageGrid& p
     out["range"] = volumes.range();
     out["background"] = volumes.background();
     out["energyRange"] = volumes.energy_range();
-    out["setting"] = wish.setting;
-    out["count"] = wish.count;
-    out["softness"] = {
-        {"soft", wish.softness.vertices}, {"soft_time", wish.softness.frames}, {"fade", wish.fade}};
+    out["setting"] = request.setting;
+    out["count"] = request.count;
+    out["softness"] = {{"soft", request.softness.vertices},
+                       {"soft_time", request.softness.frames},
+                       {"fade", request.fade}};
     out["masks"] = Json::array();
     for (const auto& [name, mask] : first.masks) out["masks"].push_back(name);
     out["sets"] = Json::array();
@@ -338,12 +339,12 @@ private:
 
 }  // namespace
 
-Json page_scene(const PageWish& wish, const std::vector<PageFrame>& frames) {
-    require_one_space(wish.grid, frames);
-    const auto page = page_of(wish, frames);
+Json page_scene(const PageRequest& request, const std::vector<PageFrame>& frames) {
+    require_one_space(request.grid, frames);
+    const auto page = page_of(request, frames);
     const PageVolumes volumes(frames, page);
-    auto out = common_json(wish, frames.front(), page, volumes);
-    FrameWriter writer(page, volumes, wish.softness.frames);
+    auto out = common_json(request, frames.front(), page, volumes);
+    FrameWriter writer(page, volumes, request.softness.frames);
     for (std::size_t n = 0; n < frames.size(); ++n) writer.add(frames[n], n);
     writer.finish(out);
     return out;

@@ -16,7 +16,7 @@
 namespace fluidcarve {
 
 /// Content of a page that is the same in all frames.
-struct PageWish {
+struct PageRequest {
     std::string title;
     std::string grid;       ///< name of the grid shown
     std::string setting;    ///< what `--set` sets to choose the count: "count"
@@ -43,6 +43,6 @@ struct PageFrame {
 /// original indices; with those of neighbouring frames, if the carve is soft in time.
 /// @param frames  at least one, rising
 /// @throws Failure if a grid can't be shown, or seams do not fit the lattice or the frame
-nlohmann::ordered_json page_scene(const PageWish& wish, const std::vector<PageFrame>& frames);
+nlohmann::ordered_json page_scene(const PageRequest& request, const std::vector<PageFrame>& frames);
 
 }  // namespace fluidcarve

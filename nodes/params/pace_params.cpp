@@ -93,9 +93,9 @@ void check_pace(const PaceParams& params, NodeCheck& check) {
 }
 
 Pace pace_of(const PaceParams& params, const std::vector<int>& frames) {
-    PaceWish wish = params;
-    if (!params.curve_file.text().empty()) wish.curve = read_curve(params.curve_file.at(0));
-    return {wish, frames};
+    PaceRequest request = params;
+    if (!params.curve_file.text().empty()) request.curve = read_curve(params.curve_file.at(0));
+    return {request, frames};
 }
 
 }  // namespace fluidcarve

@@ -8,7 +8,7 @@ namespace fluidcarve {
 constexpr double farthest_frame = 1e9;  ///< frame numbers must fit an int
 
 /// The parameters of a node that retimes a sequence.
-struct PaceParams : PaceWish {
+struct PaceParams : PaceRequest {
     InputPath curve_file;  ///< a CSV file with the curve; empty: none
 };
 

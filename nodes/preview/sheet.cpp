@@ -71,8 +71,8 @@ struct ParamTraits<Several<E>> {
 
 namespace {
 
-std::vector<SheetWish::Show> shows_of(const Several<Rows>& rows) {
-    using Show = SheetWish::Show;
+std::vector<SheetRequest::Show> shows_of(const Several<Rows>& rows) {
+    using Show = SheetRequest::Show;
     std::vector<Show> out;
     for (const auto each : rows.all) {
         if (each == Rows::render) out.push_back(Show::render);
@@ -173,7 +173,7 @@ struct Sheet {
         frame.lattice = io.lattice;
         frame.rig = io.rig;
         frame.seams = io.seams;
-        if (!rows_) rows_.emplace(wish_of(params, context));
+        if (!rows_) rows_.emplace(request_of(params, context));
         rows_->add(std::move(frame));
     }
 
@@ -187,9 +187,9 @@ struct Sheet {
     }
 
 private:
-    using Shows = std::vector<SheetWish::Show>;
+    using Shows = std::vector<SheetRequest::Show>;
 
-    static std::size_t number_of(SheetWish::Show how, const Shows& shows) {
+    static std::size_t number_of(SheetRequest::Show how, const Shows& shows) {
         return static_cast<std::size_t>(std::count(shows.begin(), shows.end(), how));
     }
     /// Inputs that are drawn as lines.
@@ -215,9 +215,9 @@ private:
     static void check_rows(const Shows& shows, NodeCheck& check) {
         if (shows.empty())
             check.fault("show", "'show' names nothing; name 'render', 'maximum' or 'slice'");
-        for (const auto& [name, how] : {std::pair{"maximum", SheetWish::Show::maximum},
-                                        std::pair{"slice", SheetWish::Show::slice},
-                                        std::pair{"render", SheetWish::Show::render}})
+        for (const auto& [name, how] : {std::pair{"maximum", SheetRequest::Show::maximum},
+                                        std::pair{"slice", SheetRequest::Show::slice},
+                                        std::pair{"render", SheetRequest::Show::render}})
             if (number_of(how, shows) > 1)
                 check.fault(
                     "show",
@@ -225,7 +225,7 @@ private:
     }
     /// Parameters that the rows do not use.
     static void check_use(const Params& params, const Shows& shows, NodeCheck& check) {
-        const auto renders = number_of(SheetWish::Show::render, shows);
+        const auto renders = number_of(SheetRequest::Show::render, shows);
         if (check.stated("difference") && check.connections("after") == 0)
             check.fault(
                 "difference",
@@ -238,15 +238,15 @@ private:
             check.fault("difference",
                         "'show: render' has no difference; leave 'difference' out, or choose "
                         "'show: maximum'");
-        if (check.stated("slice") && number_of(SheetWish::Show::slice, shows) == 0 &&
+        if (check.stated("slice") && number_of(SheetRequest::Show::slice, shows) == 0 &&
             check.connections("energy") == 0)
             check.fault("slice",
                         "nothing is sliced: 'slice' needs a connected 'energy', 'show: slice' or "
                         "'show: both'");
     }
 
-    static SheetWish wish_of(const Params& params, const Context& context) {
-        SheetWish out;
+    static SheetRequest request_of(const Params& params, const Context& context) {
+        SheetRequest out;
         out.grid = params.grid;
         out.view = params.axis;
         out.shows = shows_of(params.show);

@@ -15,7 +15,7 @@ namespace fluidcarve {
 
 namespace {
 
-using Show = SheetWish::Show;
+using Show = SheetRequest::Show;
 
 /// Calls `body` with one or two grids cast to their type, FloatGrid or VectorGrid.
 template <class Body, class... Grids>
@@ -66,24 +66,24 @@ std::string seams_text(const Seams& seams) {
 }  // namespace
 
 bool SheetRows::shows(Show how) const {
-    return std::find(wish_.shows.begin(), wish_.shows.end(), how) != wish_.shows.end();
+    return std::find(request_.shows.begin(), request_.shows.end(), how) != request_.shows.end();
 }
 
 void SheetRows::plan(const Shown& frame) {
     using What = Kind::What;
-    for (const auto how : wish_.shows) {
+    for (const auto how : request_.shows) {
         kinds_.push_back({What::before, how});
         if (frame.data.after) kinds_.push_back({What::after, how});
-        if (frame.data.after && wish_.difference && how != Show::render)
+        if (frame.data.after && request_.difference && how != Show::render)
             kinds_.push_back({What::difference, how});
     }
     if (frame.data.energy) kinds_.push_back({What::energy, Show::slice});
     panels_.resize(kinds_.size());
-    axes_ =
-        world_axes(*frame.space,
-                   frame.before.empty() ? openvdb::Vec3d(0) : frame.before.getCenter(), wish_.view);
+    axes_ = world_axes(*frame.space,
+                       frame.before.empty() ? openvdb::Vec3d(0) : frame.before.getCenter(),
+                       request_.view);
     face_ = frame.data.seams &&
-            seams_face(*frame.data.lattice, frame.data.seams->axis, *frame.space, wish_.view);
+            seams_face(*frame.data.lattice, frame.data.seams->axis, *frame.space, request_.view);
 }
 
 void SheetRows::add(SheetFrame data) {
@@ -93,8 +93,9 @@ void SheetRows::add(SheetFrame data) {
     frame.before = frame.data.before->evalActiveVoxelBoundingBox();
     if (frame.data.after) frame.after = frame.data.after->evalActiveVoxelBoundingBox();
     require_room(frame);
-    if (wish_.lattice) frame.lattice = lattice_lines(*frame.data.lattice, *frame.space, wish_.view);
-    if (wish_.rig) frame.rig = rig_lines(*frame.data.rig, *frame.space, wish_.view);
+    if (request_.lattice)
+        frame.lattice = lattice_lines(*frame.data.lattice, *frame.space, request_.view);
+    if (request_.rig) frame.rig = rig_lines(*frame.data.rig, *frame.space, request_.view);
     if (!frame.before.empty()) active_.expand(frame.before);
     if (frames_.empty()) plan(frame);
     for (std::size_t row = 0; row < kinds_.size(); ++row)
@@ -106,7 +107,7 @@ void SheetRows::add(SheetFrame data) {
     exposure_.meter(frame.data.before_scene);
     if (!shows(Show::slice)) frame.data.before = frame.data.after = nullptr;
     frames_.push_back(std::move(frame));
-    if (wish_.slice) slice(frames_.size() - 1, *wish_.slice);
+    if (request_.slice) slice(frames_.size() - 1, *request_.slice);
 }
 
 void SheetRows::require_room(const Shown& frame) const {
@@ -119,7 +120,7 @@ void SheetRows::require_room(const Shown& frame) const {
     for (const auto* scene : {&data.before_scene, &data.after_scene})
         for (const auto* grid : {scene->smoke.get(), scene->fire.get()}) {
             require(grid);
-            if (grid) require_dense_fits(*grid, sizeof(float), wish_.budget);
+            if (grid) require_dense_fits(*grid, sizeof(float), request_.budget);
         }
 }
 
@@ -144,7 +145,7 @@ void SheetRows::render(const std::function<void(double)>& progress) {
             if (scene.box().empty()) panels_[row][place].note = "no active voxels";
             else
                 panels_[row][place].render =
-                    fluidcarve::render(scene, wish_.view, scenes_, exposure_);
+                    fluidcarve::render(scene, request_.view, scenes_, exposure_);
             scene = {};
         }
 }
@@ -152,7 +153,7 @@ void SheetRows::render(const std::function<void(double)>& progress) {
 SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<int> plane) const {
     SheetPanel out;
     const auto& [data, space, before, after, lattice, rig] = frame;
-    const auto view = wish_.view;
+    const auto view = request_.view;
     out.lattice = lattice;
     out.rig = rig;
     const auto part = [&](const openvdb::CoordBBox& box) {
@@ -161,7 +162,7 @@ SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<
     const auto show = [&](const openvdb::GridBase& grid, const openvdb::CoordBBox& active) {
         const auto box = part(active);
         // If the grid is shown in another way, too, that row states the size.
-        if (kind.how != Show::slice || wish_.shows.size() == 1) out.caption = size_text(active);
+        if (kind.how != Show::slice || request_.shows.size() == 1) out.caption = size_text(active);
         if (!active.empty()) out.active = face_of(active, view);
         if (kind.how == Show::render) return;
         draw_maximum(grid, view, box, out);
@@ -181,7 +182,7 @@ SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<
         case Kind::What::energy:
             out.projection = slice_in(*data.energy, *space, view, *plane);
             if (out.projection.empty()) out.note = "no active voxels";
-            if (data.seams && wish_.seams && !face_)
+            if (data.seams && request_.seams && !face_)
                 out.seams =
                     seam_lines(*data.lattice, *data.seams, data.number, *space, view, *plane);
             break;
@@ -200,25 +201,25 @@ std::string SheetRows::name_of(const Kind& kind) const {
         case Kind::What::energy: break;
     }
     const auto& seams = frames_.front().data.seams;
-    return !seams || !wish_.seams ? "energy"
-           : seams->warp          ? "warp over energy"
-                                  : "seams over energy";
+    return !seams || !request_.seams ? "energy"
+           : seams->warp             ? "warp over energy"
+                                     : "seams over energy";
 }
 
 std::string SheetRows::text_of(const Kind& kind, int plane) const {
-    const char axis = "xyz"[static_cast<int>(wish_.view)];
+    const char axis = "xyz"[static_cast<int>(request_.view)];
     const auto slice = fmt::format("slice at {} = {}", axis, plane);
     if (kind.how == Show::render)
         return fmt::format(
             "lit, seen along {}{}", axis,
-            wish_.exposure != 0 ? fmt::format(", exposure {:+g}", wish_.exposure) : "");
+            request_.exposure != 0 ? fmt::format(", exposure {:+g}", request_.exposure) : "");
     const bool sliced = kind.how == Show::slice;
     if (kind.what == Kind::What::difference)
         return sliced ? "after - before, " + slice
                       : fmt::format("after - before, largest along {}", axis);
     if (kind.what != Kind::What::energy)
         return sliced ? slice : fmt::format("maximum along {}", axis);
-    if (!frames_.front().data.seams || !wish_.seams) return slice;
+    if (!frames_.front().data.seams || !request_.seams) return slice;
     if (face_) return slice + "; seams face this view, choose another axis";
     const auto& panels = panels_.back();
     const bool crossed = std::any_of(panels.begin(), panels.end(),
@@ -230,16 +231,16 @@ std::string SheetRows::text_of(const Kind& kind, int plane) const {
 }
 
 SheetPage SheetRows::page(std::size_t total, const std::function<void(double)>& progress) {
-    const auto middle = active_.empty() ? 0 : active_.getCenter()[static_cast<int>(wish_.view)];
-    const int plane = wish_.slice ? *wish_.slice : static_cast<int>(std::floor(middle));
+    const auto middle = active_.empty() ? 0 : active_.getCenter()[static_cast<int>(request_.view)];
+    const int plane = request_.slice ? *request_.slice : static_cast<int>(std::floor(middle));
     const auto count = frames_.size();
-    if (!wish_.slice)
+    if (!request_.slice)
         for (std::size_t place = 0; place < count; ++place) slice(place, plane);
-    exposure_.gain = std::exp2(wish_.exposure);
+    exposure_.gain = std::exp2(request_.exposure);
     render(progress);
 
     SheetPage out;
-    out.title = wish_.grid;
+    out.title = request_.grid;
     out.summary = fmt::format("{} of {}", count, counted(total, "frame"));
     if (const auto& seams = frames_.front().data.seams) {
         out.summary += "; " + seams_text(*seams);

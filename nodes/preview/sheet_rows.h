@@ -12,7 +12,7 @@
 namespace fluidcarve {
 
 /// The wanted content of a sheet.
-struct SheetWish {
+struct SheetRequest {
     enum class Show { maximum, slice, render };
     std::string grid;
     View view = View::y;
@@ -46,7 +46,7 @@ struct SheetFrame {
 /// all frames are known. Grids to render are held too, since all frames share area and exposure.
 class SheetRows {
 public:
-    explicit SheetRows(SheetWish wish) : wish_(std::move(wish)) {}
+    explicit SheetRows(SheetRequest request) : request_(std::move(request)) {}
 
     /// @throws Failure if seams belong to another lattice or do not hold the frame, or grids are
     ///   too large to show
@@ -61,7 +61,7 @@ private:
     struct Kind {
         enum class What { before, after, difference, energy };
         What what;
-        SheetWish::Show how;
+        SheetRequest::Show how;
     };
     /// An added frame. It holds its grids until they are drawn.
     struct Shown {
@@ -71,7 +71,7 @@ private:
         std::vector<PictureLine> lattice, rig;     ///< lines over all pictures
     };
     void plan(const Shown& frame);
-    bool shows(SheetWish::Show how) const;
+    bool shows(SheetRequest::Show how) const;
     void slice(std::size_t place, int plane);
     void render(const std::function<void(double)>& progress);
     SheetPanel panel(const Kind& kind, const Shown& frame, std::optional<int> plane) const;
@@ -79,7 +79,7 @@ private:
     std::string name_of(const Kind& kind) const;
     std::string text_of(const Kind& kind, int plane) const;
 
-    SheetWish wish_;
+    SheetRequest request_;
     std::vector<Kind> kinds_;
     std::vector<Shown> frames_;
     std::vector<std::vector<SheetPanel>> panels_;  ///< `[row][frame]`

@@ -238,7 +238,7 @@ void bench_pipeline() {
     request.options.threads = 2;
     request.options.in_flight = 3;
     request.options.memory = std::uint64_t{1} << 32;
-    request.wish.to = "out";
+    request.request.to = "out";
     request.options.cache = false;
     request.report_path = scratch / "report.json";
     request.quiet = true;

@@ -34,7 +34,7 @@ constexpr unsigned long most_allocations = 300;
 /// Calls of a kind that fail in each job in a quick round.
 constexpr unsigned long most_quick = 1;
 
-struct Wish {
+struct Choice {
     bool quick = false;
     std::string job, kind;
     unsigned long at = 0;
@@ -182,18 +182,18 @@ std::string fault_of(const Job& job, const Reference& reference, const std::stri
 }
 
 /// The calls of a kind that are to fail, of `count`.
-std::vector<unsigned long> chosen(const Wish& wish, const std::string& kind, unsigned long count,
-                                  unsigned long shift) {
-    if (wish.at > 0) return {wish.at};
-    const auto most = wish.quick ? most_quick : kind == "allocation" ? most_allocations : count;
+std::vector<unsigned long> chosen(const Choice& choice, const std::string& kind,
+                                  unsigned long count, unsigned long shift) {
+    if (choice.at > 0) return {choice.at};
+    const auto most = choice.quick ? most_quick : kind == "allocation" ? most_allocations : count;
     std::vector<unsigned long> out;
     for (unsigned long n = 0; n < std::min(most, count); ++n)
-        out.push_back(1 + (n * count / std::min(most, count) + (wish.quick ? shift : 0)) % count);
+        out.push_back(1 + (n * count / std::min(most, count) + (choice.quick ? shift : 0)) % count);
     return out;
 }
 
-Wish read(int argc, char** argv) {
-    Wish out;
+Choice read(int argc, char** argv) {
+    Choice out;
     for (int n = 1; n < argc; ++n) {
         const std::string word = argv[n];
         const auto value = [&] { return std::string(n + 1 < argc ? argv[++n] : ""); };
@@ -211,11 +211,11 @@ Wish read(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    const auto wish = read(argc, argv);
+    const auto choice = read(argc, argv);
     std::map<std::string, unsigned long> failed;
     unsigned long findings = 0, shift = 0;
     for (const auto& job : faults::jobs()) {
-        if (!wish.job.empty() && wish.job != job.name) continue;
+        if (!choice.job.empty() && choice.job != job.name) continue;
         const Reference reference(job);
         if (!reference.fault.empty()) {
             fmt::print("{}: {}\n", job.name, reference.fault);
@@ -226,11 +226,11 @@ int main(int argc, char** argv) {
             const auto count = reference.calls.at(kind);
             // OpenVDB and TBB do not survive each allocation that fails: a quick round leaves them
             // out.
-            if ((!wish.kind.empty() && wish.kind != kind) || count == 0 ||
-                (wish.quick && kind == "allocation"))
+            if ((!choice.kind.empty() && choice.kind != kind) || count == 0 ||
+                (choice.quick && kind == "allocation"))
                 continue;
             shift += 7919;
-            for (const auto at : chosen(wish, kind, count, shift)) {
+            for (const auto at : chosen(choice, kind, count, shift)) {
                 ++failed[kind];
                 const auto fault = fault_of(job, reference, kind, at);
                 if (fault.empty()) continue;

@@ -88,8 +88,8 @@ TEST_CASE(
                    after = openvdb::gridPtrCast<FloatGrid>(ramp.carved(frame)->deepCopyGrid());
         for (int n = 0; n < 10; ++n) {
             const int z = 4 * n + 4;
-            const double wish = wide - 14.5 * std::max(0.0, (z / 40.0 - 0.3) / 0.7);
-            for (int y = 0; y < deep; ++y) CHECK(std::abs(width_of(*after, y, z) - wish) <= 1);
+            const double wanted = wide - 14.5 * std::max(0.0, (z / 40.0 - 0.3) / 0.7);
+            for (int y = 0; y < deep; ++y) CHECK(std::abs(width_of(*after, y, z) - wanted) <= 1);
         }
         for (auto at = CoordBBox(Coord(0), Coord(wide - 1, deep - 1, 12)).begin(); at; ++at) {
             REQUIRE(after->tree().isValueOn(*at));

@@ -43,13 +43,13 @@ inline PageFrame frame_of(int size, int seams) {
 
 /// The page of a frame, whose title tries to end its data.
 inline std::string page_of(const PageFrame& frame) {
-    PageWish wish;
-    wish.title = "shot.yaml </script>";
-    wish.grid = "density";
-    wish.setting = "seams.count";
-    wish.count = frame.seams.empty() ? 0 : 5;
-    wish.softness = {3, 0};
-    return page_html(wish.title, {page_scene(wish, {frame})});
+    PageRequest request;
+    request.title = "shot.yaml </script>";
+    request.grid = "density";
+    request.setting = "seams.count";
+    request.count = frame.seams.empty() ? 0 : 5;
+    request.softness = {3, 0};
+    return page_html(request.title, {page_scene(request, {frame})});
 }
 
 }  // namespace fluidcarve::test

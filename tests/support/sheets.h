@@ -31,9 +31,9 @@ inline SheetFrame frame_of(int number, FloatGrid::ConstPtr before, FloatGrid::Co
     return out;
 }
 
-inline SheetWish wish_for(View view = View::y,
-                          std::vector<SheetWish::Show> shows = {SheetWish::Show::maximum}) {
-    SheetWish out;
+inline SheetRequest request_for(View view = View::y, std::vector<SheetRequest::Show> shows = {
+                                                         SheetRequest::Show::maximum}) {
+    SheetRequest out;
     out.grid = "density";
     out.view = view;
     out.shows = std::move(shows);
@@ -41,8 +41,8 @@ inline SheetWish wish_for(View view = View::y,
     return out;
 }
 
-inline SheetPage page_of(const SheetWish& wish, const std::vector<SheetFrame>& frames) {
-    SheetRows rows(wish);
+inline SheetPage page_of(const SheetRequest& request, const std::vector<SheetFrame>& frames) {
+    SheetRows rows(request);
     for (const auto& frame : frames) rows.add(frame);
     return rows.page(frames.size());
 }

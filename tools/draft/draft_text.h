@@ -40,7 +40,7 @@ private:
     std::string head() const;
     std::string frames() const;
 
-    /// @throws Failure if there are no frames to take or to add, or what is wished has no time
+    /// @throws Failure if there are no frames to take or to add, or the request has no time
     void require_time() const;
     int frame_count() const;  ///< of the input
     int frames_more() const;  ///< that the count adds; below 0: takes

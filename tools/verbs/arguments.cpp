@@ -168,10 +168,10 @@ std::string take_work_folder(RunArguments& run, const Pipeline&) {
 }
 
 std::string take_nodes(RunArguments& run, const Pipeline& pipeline) {
-    auto& wish = run.request.target;
-    wish.only = !run.only.empty();
-    if (wish.only) wish.to = run.only;
-    return fault_of(wish, pipeline);
+    auto& target = run.request.target;
+    target.only = !run.only.empty();
+    if (target.only) target.to = run.only;
+    return fault_of(target, pipeline);
 }
 
 std::string take_task(RunArguments& run, const Pipeline&) {
@@ -179,7 +179,8 @@ std::string take_task(RunArguments& run, const Pipeline&) {
     if (request.task.empty()) return {};
     if (const auto fault = fault_of_task(request.task); !fault.empty())
         return "--task " + request.task + ": " + fault;
-    const auto name = task_name(request.task.substr(request.task.find('/') + 1), request.target.frames);
+    const auto name =
+        task_name(request.task.substr(request.task.find('/') + 1), request.target.frames);
     for (auto* const path : {&request.report_path, &request.html_path, &request.profile_path})
         if (!path->empty()) *path = with_name(*path, name);
     return {};

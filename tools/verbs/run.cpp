@@ -78,20 +78,21 @@ Verb::Work run_verb(CLI::App& verb, Program& program) {
 }
 
 Verb::Work check_verb(CLI::App& verb, Program& program) {
-    struct Wish {
+    struct CheckOptions {
         bool json = false, verbose = false, open = false;
     };
-    const auto wish = std::make_shared<Wish>();
+    const auto options = std::make_shared<CheckOptions>();
     program.pipeline.declare(verb);
-    verb.add_flag("--json", wish->json,
+    verb.add_flag("--json", options->json,
                   "Print problems as JSON; with --verbose, print the values if there are no "
                   "problems");
-    verb.add_flag("-v,--verbose", wish->verbose,
+    verb.add_flag("-v,--verbose", options->verbose,
                   "Show each value of the pipeline and its source, and where the files lie");
-    verb.add_flag("--template", wish->open,
+    verb.add_flag("--template", options->open,
                   "Let params have no value, as those of a template that shots extend");
     return [=, &program] {
-        return check(program.pipeline, wish->json, wish->verbose, wish->open, program.registry);
+        return check(program.pipeline, options->json, options->verbose, options->open,
+                     program.registry);
     };
 }
 

@@ -167,10 +167,10 @@ public:
         : path_(path), opened_(path, image_use), file_(ImageInput::create(format)) {
         if (!file_) refuse(path_, OIIO::geterror());
         if (format == "png") require_whole_png(opened_, sums);
-        ImageSpec wish;
-        wish.attribute("oiio:UnassociatedAlpha", 1);
-        wish.attribute("oiio:RawColor", 1);
-        if (!file_->open(opened_.path_to_open(), spec_, wish))
+        ImageSpec request;
+        request.attribute("oiio:UnassociatedAlpha", 1);
+        request.attribute("oiio:RawColor", 1);
+        if (!file_->open(opened_.path_to_open(), spec_, request))
             refuse_damaged(path_, file_->geterror());
         if (spec_.deep) refuse(path_, "it holds deep pixels; flatten it first");
         if (spec_.depth > 1) refuse(path_, "it holds a volume; an image has one layer of pixels");

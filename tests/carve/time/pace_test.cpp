@@ -8,8 +8,8 @@ using namespace fluidcarve;
 
 namespace {
 
-PaceWish at_speed(double speed) {
-    PaceWish out;
+PaceRequest at_speed(double speed) {
+    PaceRequest out;
     out.speed = speed;
     return out;
 }
@@ -58,14 +58,14 @@ TEST_CASE("a speed of 0 makes no endless sequence") {
 
 TEST_CASE("time runs backwards, faster, to a wished length, and from a wished frame") {
     const std::vector<int> source{1, 2, 3, 4, 5};
-    auto wish = at_speed(-2);
-    wish.start = 100;
-    const Pace back(wish, source);
+    auto request = at_speed(-2);
+    request.start = 100;
+    const Pace back(request, source);
     CHECK(back.frames() == std::vector{100, 101, 102});
     CHECK(shown(back, source, 100) == 5);
     CHECK(shown(back, source, 102) == 1);
     CHECK(back.moment(101).rate == Approx(-2));
-    PaceWish length;
+    PaceRequest length;
     length.count = 9;
     const Pace longer(length, source);
     CHECK(longer.frames().size() == 9);
@@ -78,20 +78,20 @@ TEST_CASE("time runs backwards, faster, to a wished length, and from a wished fr
 
 TEST_CASE("a curve holds, jumps to another speed and says which frames there are") {
     const std::vector<int> source{1, 2, 3, 4, 5};
-    PaceWish wish;
-    wish.curve = {{10, 1}, {12, 5}, {15, 5}, {16, 3}};
-    const Pace pace(wish, source);
+    PaceRequest request;
+    request.curve = {{10, 1}, {12, 5}, {15, 5}, {16, 3}};
+    const Pace pace(request, source);
     CHECK(pace.frames() == std::vector{10, 11, 12, 13, 14, 15, 16});
     CHECK(shown(pace, source, 11) == 3);
     CHECK(pace.moment(11).rate == Approx(2));
     CHECK(shown(pace, source, 13) == 5);
     CHECK(pace.moment(13).rate == 0);
     CHECK(shown(pace, source, 16) == 3);
-    wish.curve.push_back({20, 6});
-    CHECK_THROWS_WITH(Pace(wish, source),
+    request.curve.push_back({20, 6});
+    CHECK_THROWS_WITH(Pace(request, source),
                       "the curve leads to frame 6 of the source, which has the frames 1 to 5");
-    wish.curve = {{1, 2, 3}};
-    CHECK_THROWS_WITH(Pace(wish, source), "a point of 'curve' is [frame, frame of the source]");
-    CHECK_THROWS_WITH(Pace(PaceWish(), source), Catch::Contains("is stated"));
+    request.curve = {{1, 2, 3}};
+    CHECK_THROWS_WITH(Pace(request, source), "a point of 'curve' is [frame, frame of the source]");
+    CHECK_THROWS_WITH(Pace(PaceRequest(), source), Catch::Contains("is stated"));
     CHECK_THROWS_WITH(Pace(at_speed(1e-6), source), Catch::Contains("a million are the most"));
 }

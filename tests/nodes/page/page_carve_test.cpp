@@ -63,17 +63,17 @@ Shown shown(const Case& what) {
         each.find_shifts();
         out.sets.push_back(std::make_shared<Seams>(std::move(each)));
     }
-    PageWish wish;
-    wish.title = wish.grid = "density";
-    wish.setting = "count";
-    wish.softness = what.softness;
-    wish.fade = what.fade;
+    PageRequest request;
+    request.title = request.grid = "density";
+    request.setting = "count";
+    request.softness = what.softness;
+    request.fade = what.fade;
     PageFrame frame;
     frame.number = out.frame = out.sets.front()->frames[out.sets.front()->frames.size() / 2];
     frame.before = out.grid;
     frame.lattice = std::make_shared<Lattice>(what.lattice);
     frame.seams = out.sets;
-    out.scene = page_scene(wish, {frame});
+    out.scene = page_scene(request, {frame});
     return out;
 }
 

@@ -97,18 +97,18 @@ TEST_CASE("lattice and rig lie over all pictures of a sheet, seams over the ener
     frame.rig = std::make_shared<Rig>(rig_of({{4, 5, 0}, {4, 5, 9}}, false));
     frame.seams =
         std::make_shared<Seams>(straight_seams(lattice, Axis::u, Seams::Kind::remove, {3}, {1}));
-    auto wish = wish_for(View::y, {SheetWish::Show::maximum, SheetWish::Show::slice});
-    wish.slice = 5;
+    auto request = request_for(View::y, {SheetRequest::Show::maximum, SheetRequest::Show::slice});
+    request.slice = 5;
     const auto drawn = [&](Colour colour) {
-        return find(draw_sheet(page_of(wish, {frame})), colour).count;
+        return find(draw_sheet(page_of(request, {frame})), colour).count;
     };
     CHECK(drawn(lattice_colour) == 0);
     CHECK(drawn(rig_colour) == 0);
     CHECK(drawn(seam_colour) > 0);
 
-    wish.lattice = wish.rig = true;
-    wish.seams = false;
-    const auto page = page_of(wish, {frame});
+    request.lattice = request.rig = true;
+    request.seams = false;
+    const auto page = page_of(request, {frame});
     REQUIRE(page.rows.size() == 5);
     for (const auto& row : page.rows) {
         CHECK(row.panels[0].lattice.size() == lattice_lines(lattice, *unit_space, View::y).size());
@@ -131,15 +131,15 @@ TEST_CASE(
     "a lattice beyond the content widens the picture, but by no more than the content's size on "
     "each side") {
     auto frame = cube_frame();
-    auto wish = wish_for();
+    auto request = request_for();
     const auto width = [&](double first, double spacing) {
         frame.lattice = std::make_shared<Lattice>(
             make_box(Vec3d(first, 0, first), {2, 1, 2}, spacing, {0, 1, 2}));
-        const auto cubes = find(draw_sheet(page_of(wish, {frame})), heat(1));
+        const auto cubes = find(draw_sheet(page_of(request, {frame})), heat(1));
         return cubes.right - cubes.left;
     };
     const auto without = width(0, 1);
-    wish.lattice = true;
+    request.lattice = true;
     // The outlines of both boxes do not meet the cube.
     CHECK(width(-1000, 2010) < without);
     CHECK(width(-1000, 2010) == width(-1e6, 3e6));

@@ -109,11 +109,11 @@ SheetFrame lit_frame(int number, const FloatGrid::ConstPtr& before,
     return out;
 }
 
-SheetWish render_wish(View view = View::y) {
-    SheetWish out;
+SheetRequest render_wish(View view = View::y) {
+    SheetRequest out;
     out.grid = "density";
     out.view = view;
-    out.shows = {SheetWish::Show::render};
+    out.shows = {SheetRequest::Show::render};
     return out;
 }
 
@@ -230,11 +230,11 @@ TEST_CASE(
         for (const auto* shown : {&plain_one, &brighter, &darker})
             CHECK(shown->picture.pixels.front() == render_background);
     }
-    auto wish = render_wish();
-    const auto page = [&] { return page_of(wish, {lit_frame(1, ball(), nullptr)}); };
+    auto request = render_wish();
+    const auto page = [&] { return page_of(request, {lit_frame(1, ball(), nullptr)}); };
     const auto before = page();
     CHECK(names_of(before) == std::vector<std::string>{"shown: lit, seen along y"});
-    wish.exposure = 1.5;
+    request.exposure = 1.5;
     const auto after = page();
     CHECK(names_of(after) == std::vector<std::string>{"shown: lit, seen along y, exposure +1.5"});
     CHECK(brightness(after.rows[0].panels[0].render, middle) >
@@ -391,9 +391,9 @@ TEST_CASE("preview render: rows are before and after, then the energy as a slice
     auto frame = lit_frame(1, ball(), ball());
     frame.energy = block(Coord(0), Coord(3), 1);
     for (const bool stated : {false, true}) {
-        auto wish = render_wish();
-        if (stated) wish.slice = 2;
-        SheetRows rows(wish);
+        auto request = render_wish();
+        if (stated) request.slice = 2;
+        SheetRows rows(request);
         rows.add(frame);
         std::vector<double> progress;
         const auto page = rows.page(1, [&](double fraction) { progress.push_back(fraction); });

@@ -92,9 +92,9 @@ TEST_CASE("seams are drawn over the energy in a colour of their own, and counted
     frame.energy = cube(Coord(0), 10, 1.0f);
     frame.lattice = std::make_shared<Lattice>(lattice);
     frame.seams = std::make_shared<Seams>(straight(lattice, Seams::Kind::remove, {3, 3}));
-    auto wish = wish_for();
-    wish.slice = 5;
-    const auto page = page_of(wish, {frame});
+    auto request = request_for();
+    request.slice = 5;
+    const auto page = page_of(request, {frame});
     CHECK(names_of(page).back() == "seams over energy: slice at y = 5");
     CHECK(page.summary == "1 of 1 frame; 2 seams removed across u");
     const auto sheet = draw_sheet(page);
@@ -106,11 +106,11 @@ TEST_CASE("seams are drawn over the energy in a colour of their own, and counted
     CHECK((line.left - picture.left) / voxel == Approx(3.5).margin(0.2));
     CHECK((line.right - picture.left) / voxel == Approx(4.5).margin(0.2));
 
-    wish.slice = 7;
-    CHECK(names_of(page_of(wish, {frame})).back() ==
+    request.slice = 7;
+    CHECK(names_of(page_of(request, {frame})).back() ==
           "seams over energy: slice at y = 7; no seam crosses it");
-    wish.view = View::x;
-    CHECK(names_of(page_of(wish, {frame})).back() ==
+    request.view = View::x;
+    CHECK(names_of(page_of(request, {frame})).back() ==
           "seams over energy: slice at x = 7; seams face this view, choose another axis");
 }
 

@@ -49,7 +49,7 @@ Payload volume_with(const FloatGrid::Ptr& grid) {
 TEST_CASE("before and after share one range of colours and one window") {
     const auto strong = cube(Coord(0), 16, 4.0f);
     const auto weak = cube(Coord(16, 0, 8), 8, 2.0f);
-    const auto sheet = draw_sheet(page_of(wish_for(), {frame_of(1, strong, weak)}));
+    const auto sheet = draw_sheet(page_of(request_for(), {frame_of(1, strong, weak)}));
     const auto whole = find(sheet, heat(1));
     const auto half = find(sheet, heat(0.5));
     REQUIRE(whole.count > 0);
@@ -60,16 +60,16 @@ TEST_CASE("before and after share one range of colours and one window") {
     CHECK((half.right - half.left) * 2 == Approx(whole.right - whole.left).margin(6));
     CHECK((half.bottom - half.top) * 2 == Approx(whole.bottom - whole.top).margin(6));
     CHECK(half.left == Approx(whole.right).margin(5));
-    const auto turned = draw_sheet(page_of(wish_for(), {frame_of(1, weak, strong)}));
+    const auto turned = draw_sheet(page_of(request_for(), {frame_of(1, weak, strong)}));
     CHECK(find(turned, heat(0.5)).bottom < find(turned, heat(1)).top);
 }
 
 TEST_CASE("the range of values starts at 0, that of differences is the same on both sides") {
-    auto wish = wish_for();
-    wish.difference = true;
+    auto request = request_for();
+    request.difference = true;
     const auto page =
-        page_of(wish, {frame_of(1, cube(Coord(0), 4, 3.0f), cube(Coord(0), 4, 2.0f)),
-                       frame_of(2, cube(Coord(0), 4, 3.0f), cube(Coord(0), 4, 3.5f))});
+        page_of(request, {frame_of(1, cube(Coord(0), 4, 3.0f), cube(Coord(0), 4, 2.0f)),
+                          frame_of(2, cube(Coord(0), 4, 3.0f), cube(Coord(0), 4, 3.5f))});
     const auto values = range_of(page.rows, SheetRow::Scale::value);
     CHECK(values.low == 0);
     CHECK(values.high == 3.5);
@@ -85,11 +85,11 @@ TEST_CASE("the range of values starts at 0, that of differences is the same on b
 }
 
 TEST_CASE("frames go across, kinds of picture down") {
-    auto wish = wish_for(View::y, {SheetWish::Show::maximum, SheetWish::Show::slice});
-    wish.difference = true;
+    auto request = request_for(View::y, {SheetRequest::Show::maximum, SheetRequest::Show::slice});
+    request.difference = true;
     const auto page =
-        page_of(wish, {frame_of(1, cube(Coord(0), 8, 1.0f), cube(Coord(0), 8, 2.0f)),
-                       frame_of(2, cube(Coord(0), 8, 3.0f), cube(Coord(0), 8, 4.0f))});
+        page_of(request, {frame_of(1, cube(Coord(0), 8, 1.0f), cube(Coord(0), 8, 2.0f)),
+                          frame_of(2, cube(Coord(0), 8, 3.0f), cube(Coord(0), 8, 4.0f))});
     CHECK(page.frames == Names{"frame 1", "frame 2"});
     CHECK(names_of(page) == Names{"before: maximum along y", "after: maximum along y",
                                   "difference: after - before, largest along y",
@@ -108,14 +108,14 @@ TEST_CASE("frames go across, kinds of picture down") {
 
 TEST_CASE("rows whose inputs are missing or that are not wanted are left out") {
     const auto cube_of_one = cube(Coord(0), 8, 1.0f);
-    CHECK(names_of(page_of(wish_for(), {frame_of(1, cube_of_one, nullptr)})) ==
+    CHECK(names_of(page_of(request_for(), {frame_of(1, cube_of_one, nullptr)})) ==
           Names{"shown: maximum along y"});
-    CHECK(names_of(page_of(wish_for(View::x, {SheetWish::Show::slice}),
+    CHECK(names_of(page_of(request_for(View::x, {SheetRequest::Show::slice}),
                            {frame_of(1, cube_of_one, cube_of_one)})) ==
           Names{"before: slice at x = 3", "after: slice at x = 3"});
     auto frame = frame_of(1, cube_of_one, nullptr);
     frame.energy = cube(Coord(0), 4, 1.0f);
-    const auto page = page_of(wish_for(), {frame});
+    const auto page = page_of(request_for(), {frame});
     CHECK(names_of(page) == Names{"shown: maximum along y", "energy: slice at y = 3"});
     CHECK(page.summary == "1 of 1 frame");
 }
@@ -123,30 +123,30 @@ TEST_CASE("rows whose inputs are missing or that are not wanted are left out") {
 TEST_CASE("slices are in the middle of what is shown, or where they are wanted") {
     const auto before = cube(Coord(0), 4, 1.0f);
     before->tree().setValueOn(Coord(0, 2, 0), 9.0f);
-    auto wish = wish_for(View::y, {SheetWish::Show::slice});
-    auto page = page_of(
-        wish, {frame_of(1, before, before), frame_of(2, cube(Coord(0, -6, 0), 4, 2.0f), before)});
+    auto request = request_for(View::y, {SheetRequest::Show::slice});
+    auto page = page_of(request, {frame_of(1, before, before),
+                                  frame_of(2, cube(Coord(0, -6, 0), 4, 2.0f), before)});
     CHECK(page.rows[0].what == "slice at y = -2");
     CHECK(page.rows[0].panels[0].projection.empty());
     CHECK(page.rows[0].panels[0].note == "no active voxels");
     CHECK(page.rows[0].panels[1].projection.empty());
-    wish.slice = 2;
-    page = page_of(wish, {frame_of(1, before, before)});
+    request.slice = 2;
+    page = page_of(request, {frame_of(1, before, before)});
     CHECK(page.rows[0].what == "slice at y = 2");
     CHECK(page.rows[0].panels[0].projection.at(0, 0) == 9.0f);
     CHECK(page.rows[0].panels[0].projection.at(1, 0) == 1.0f);
 }
 
 TEST_CASE("a frame without active voxels has an empty panel, one without changes says so") {
-    auto wish = wish_for();
-    wish.difference = true;
+    auto request = request_for();
+    request.difference = true;
     const auto filled = cube(Coord(0), 4, 1.0f);
     const auto page =
-        page_of(wish, {frame_of(1, named("density"), filled), frame_of(2, filled, filled)});
+        page_of(request, {frame_of(1, named("density"), filled), frame_of(2, filled, filled)});
     CHECK(page.rows[0].panels[0].note == "no active voxels");
     CHECK(page.rows[2].panels[0].note.empty());
     CHECK(page.rows[2].panels[1].note == "no difference");
-    CHECK(draw_sheet(page_of(wish, {frame_of(1, named("density"), named("density"))})).height() <
+    CHECK(draw_sheet(page_of(request, {frame_of(1, named("density"), named("density"))})).height() <
           600);
 }
 
@@ -158,8 +158,8 @@ TEST_CASE("sheets stay within a screen's width, whatever the grid's size and the
                 grid->tree().setValueOn(Coord(0), 1.0f);
                 grid->tree().setValueOn(Coord(size - 1, 0, height), 1.0f);
                 const auto sheet = draw_sheet(
-                    page_of(wish_for(), std::vector<SheetFrame>(static_cast<std::size_t>(count),
-                                                                frame_of(1, grid, grid))));
+                    page_of(request_for(), std::vector<SheetFrame>(static_cast<std::size_t>(count),
+                                                                   frame_of(1, grid, grid))));
                 INFO(count << " frames of " << size << " x " << height << ": " << sheet.width()
                            << " x " << sheet.height());
                 CHECK(sheet.width() >= 560);
@@ -201,8 +201,8 @@ TEST_CASE("the sheet node writes one PNG after the last frame") {
             out = out << 8 | static_cast<unsigned char>(png[at + n]);
         return out;
     };
-    const auto expected =
-        draw_sheet(page_of(wish_for(), {frame_of(5, before, after), frame_of(7, before, after)}));
+    const auto expected = draw_sheet(
+        page_of(request_for(), {frame_of(5, before, after), frame_of(7, before, after)}));
     CHECK(number(16) == expected.width());
     CHECK(number(20) == expected.height());
     CHECK(std::distance(std::filesystem::directory_iterator(scratch / "new"), {}) == 1);
@@ -283,17 +283,17 @@ TEST_CASE("rows follow each other as the ways to show a grid do") {
     auto frame = frame_of(1, cube(Coord(0), 8, 1.0f), cube(Coord(0), 8, 0.5f));
     frame.before_scene.smoke = cube(Coord(0), 8, 1.0f);
     frame.after_scene.smoke = cube(Coord(0), 8, 0.5f);
-    auto wish = wish_for(View::y, {SheetWish::Show::render, SheetWish::Show::maximum});
-    wish.difference = true;
-    const auto page = page_of(wish, {frame});
+    auto request = request_for(View::y, {SheetRequest::Show::render, SheetRequest::Show::maximum});
+    request.difference = true;
+    const auto page = page_of(request, {frame});
     CHECK(names_of(page) == Names{"before: lit, seen along y", "after: lit, seen along y",
                                   "before: maximum along y", "after: maximum along y",
                                   "difference: after - before, largest along y"});
     CHECK_FALSE(page.rows[0].panels[0].render.empty());
     CHECK_FALSE(page.rows[2].panels[0].projection.empty());
-    wish.shows = {SheetWish::Show::slice, SheetWish::Show::render};
-    wish.difference = false;
-    const auto sliced = page_of(wish, {frame});
+    request.shows = {SheetRequest::Show::slice, SheetRequest::Show::render};
+    request.difference = false;
+    const auto sliced = page_of(request, {frame});
     CHECK(names_of(sliced) == Names{"before: slice at y = 3", "after: slice at y = 3",
                                     "before: lit, seen along y", "after: lit, seen along y"});
     CHECK_FALSE(sliced.rows[1].panels[0].projection.empty());
@@ -306,7 +306,7 @@ TEST_CASE("the world's axes are drawn as they are seen") {
     const auto axes = [](View view, const openvdb::math::Transform::Ptr& space) {
         const auto grid = cube(Coord(0), 4, 1.0f);
         grid->setTransform(space);
-        return page_of(wish_for(view), {frame_of(1, grid, nullptr)}).axes;
+        return page_of(request_for(view), {frame_of(1, grid, nullptr)}).axes;
     };
     const auto is = [](const SeenDirection& seen, double right, double up, double towards) {
         return seen.right == Approx(right).margin(1e-9) && seen.up == Approx(up).margin(1e-9) &&
@@ -333,7 +333,7 @@ TEST_CASE("the world's axes are drawn as they are seen") {
     CHECK(is(seen[2], 0, 0, 1));
 
     const auto sheet =
-        draw_sheet(page_of(wish_for(View::y), {frame_of(1, cube(Coord(0), 4, 1.0f), nullptr)}));
+        draw_sheet(page_of(request_for(View::y), {frame_of(1, cube(Coord(0), 4, 1.0f), nullptr)}));
     const auto x = find_in_head(sheet, axis_colours[0]), y = find_in_head(sheet, axis_colours[1]),
                z = find_in_head(sheet, axis_colours[2]);
     REQUIRE(x.count > 20);
@@ -397,23 +397,23 @@ TEST_CASE(
     far->tree().setValue(Coord(std::numeric_limits<int>::min(), 0, 0), 1.0f);
     far->tree().setValue(Coord(std::numeric_limits<int>::max(), 0, 0), 1.0f);
     for (const auto show :
-         {SheetWish::Show::maximum, SheetWish::Show::slice, SheetWish::Show::render}) {
+         {SheetRequest::Show::maximum, SheetRequest::Show::slice, SheetRequest::Show::render}) {
         auto frame = frame_of(1, far, nullptr);
-        if (show == SheetWish::Show::render) frame.before_scene.smoke = far;
-        CHECK_THAT(failure_of([&] { page_of(wish_for(View::y, {show}), {frame}); }),
+        if (show == SheetRequest::Show::render) frame.before_scene.smoke = far;
+        CHECK_THAT(failure_of([&] { page_of(request_for(View::y, {show}), {frame}); }),
                    Catch::StartsWith("the active voxels of grid 'density' span [-2147483648, 0"));
     }
 
     const auto tile = named("density");
     tile->tree().root().addTile(Coord(0), 1.0f, true);
-    auto wish = wish_for(View::y, {SheetWish::Show::render});
-    wish.budget = 1'000'000'000;
+    auto request = request_for(View::y, {SheetRequest::Show::render});
+    request.budget = 1'000'000'000;
     auto lit = frame_of(1, tile, nullptr);
     lit.before_scene.smoke = tile;
-    CHECK_THAT(failure_of([&] { page_of(wish, {lit}); }),
+    CHECK_THAT(failure_of([&] { page_of(request, {lit}); }),
                Catch::Contains("as voxels these would take 275 GB"));
-    wish.shows = {SheetWish::Show::maximum};
-    wish.difference = true;
+    request.shows = {SheetRequest::Show::maximum};
+    request.difference = true;
     // A comparison takes a tile at once.
-    CHECK(failure_of([&] { page_of(wish, {frame_of(1, tile, named("density"))}); }).empty());
+    CHECK(failure_of([&] { page_of(request, {frame_of(1, tile, named("density"))}); }).empty());
 }

@@ -29,8 +29,8 @@ std::vector<FloatGrid::Ptr> noise(unsigned seed) {
     return out;
 }
 
-/// What the node finds, and what the library finds by the same wish.
-std::pair<Ref<Seams>, Ref<Seams>> both(const std::string& yaml, const SolverParams& wish,
+/// What the node finds, and what the library finds by the same request.
+std::pair<Ref<Seams>, Ref<Seams>> both(const std::string& yaml, const SolverParams& request,
                                        bool field, const MaskGrid::Ptr& protect = nullptr,
                                        const Limits& limits = {}) {
     const auto energies = noise(1), fields = noise(2);
@@ -39,7 +39,7 @@ std::pair<Ref<Seams>, Ref<Seams>> both(const std::string& yaml, const SolverPara
     if (protect) grids["protect"] = {protect};
     const auto solved =
         test::solve(seam_pyramid(), yaml, energies, {box(search_lattice)}, grids, search_frames);
-    SeamSearch search(wish, {5, 6, 7, 8}, limits);
+    SeamSearch search(request, {5, 6, 7, 8}, limits);
     const auto lattice = std::make_shared<const Lattice>(box(search_lattice));
     for (std::size_t t = 0; t < search_frames; ++t)
         search.add(lattice, {*energies[t], field ? fields[t].get() : nullptr, protect.get()});
@@ -73,47 +73,47 @@ void check_equal(const std::pair<Ref<Seams>, Ref<Seams>>& found) {
 }  // namespace
 
 TEST_CASE("a search by the library finds the seams of seam.pyramid") {
-    SolverParams wish;
-    wish.count = {-3, false};
-    check_equal(both("{axis: u, count: -3}", wish, false));
-    check_equal(both("{axis: u, count: -3}", wish, false, mask_grid({{10, 1, 1}})));
-    wish.count = {6, false};
-    wish.thickness = 3;
-    check_equal(both("{axis: u, count: 6, thickness: 3}", wish, true));
-    wish = {};
-    wish.count = {-2, false};
-    wish.window = VertexRange{0, 9};
-    wish.pair_window = VertexRange{14, 23};
+    SolverParams request;
+    request.count = {-3, false};
+    check_equal(both("{axis: u, count: -3}", request, false));
+    check_equal(both("{axis: u, count: -3}", request, false, mask_grid({{10, 1, 1}})));
+    request.count = {6, false};
+    request.thickness = 3;
+    check_equal(both("{axis: u, count: 6, thickness: 3}", request, true));
+    request = {};
+    request.count = {-2, false};
+    request.window = VertexRange{0, 9};
+    request.pair_window = VertexRange{14, 23};
     const std::string pairs = "{axis: u, count: -2, window: [0, 9], pair_window: [14, 23]}";
-    check_equal(both(pairs, wish, false));
+    check_equal(both(pairs, request, false));
     // Energies and seams in files.
     const Scratch scratch;
-    check_equal(both(pairs, wish, false, nullptr, {1, scratch / "work"}));
+    check_equal(both(pairs, request, false, nullptr, {1, scratch / "work"}));
     CHECK(std::filesystem::is_empty(scratch / "work"));
     // A pair without its seam is none.
     const auto wall = MaskGrid::create();
     wall->denseFill(CoordBBox(Coord(1), Coord(9, 3, 2)), true, true);
-    wish.best_effort = true;
+    request.best_effort = true;
     const auto few =
-        both("{axis: u, count: -2, window: [0, 9], pair_window: [14, 23], best_effort: true}", wish,
-             false, wall);
+        both("{axis: u, count: -2, window: [0, 9], pair_window: [14, 23], best_effort: true}",
+             request, false, wall);
     check_equal(few);
     CHECK(few.second->seams.size() < 2);
     CHECK(few.second->pairs.size() == few.second->seams.size());
 }
 
 TEST_CASE("a search by the library says why there is no seam, and can be stopped") {
-    SolverParams wish;
-    wish.count = {-3, false};
+    SolverParams request;
+    request.count = {-3, false};
     const auto energies = noise(1);
     const auto lattice = std::make_shared<const Lattice>(box(search_lattice));
     const auto wall = MaskGrid::create();
     wall->denseFill(CoordBBox(Coord(0), Coord(23, 0, 0)), true, true);
-    SeamSearch blocked(wish, {1});
+    SeamSearch blocked(request, {1});
     blocked.add(lattice, {*energies[0], nullptr, wall.get()});
     CHECK_THROWS_WITH(blocked.find(), Catch::Contains("has no unprotected vertex"));
 
-    SeamSearch stopped(wish, {1});
+    SeamSearch stopped(request, {1});
     stopped.add(lattice, {*energies[0]});
     CHECK_THROWS_AS(stopped.find([](double) { throw Cancelled{}; }), Cancelled);
 }

@@ -81,7 +81,8 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "a result serves smaller wishes, but fits only if it is complete and as large as the wish") {
+    "a result serves smaller counts, but fits only if it is complete and as large as the wanted "
+    "count") {
     const Wanting two(2);
     CHECK(!result_of(1).enough_for(two.node));
     CHECK(result_of(2).enough_for(two.node));
