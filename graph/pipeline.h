@@ -53,9 +53,8 @@ struct Node {
     std::vector<Problem> warnings;  ///< warnings of its check
 
     bool streams_in() const { return gathers && per_frame_input; }  ///< it gathers frame by frame
-    bool retimes() const {
-        return type && type->retimes && streams_in();
-    }  ///< whether its outputs have other frames than its inputs
+    /// Whether its outputs have other frames than its inputs.
+    bool retimes() const { return type && type->retimes && streams_in(); }
 };
 
 /// A checked pipeline: typed, acyclic, complete. Each node comes after the nodes that it reads.

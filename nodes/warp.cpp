@@ -260,7 +260,7 @@ struct WarpSolve {
             entry["amount"] = warp.scale();
             entry["steepest"] = steepest(warp);
         }
-        return Payload(std::shared_ptr<const Seams>(set));
+        return Payload(Ref<Seams>(set));
     }
     /// Warnings from a report. After other seams the rest of an amount may be 0.
     static std::vector<std::string> warnings(const Json& entry) {

@@ -45,12 +45,12 @@ std::size_t place_of(int frame, const Seams& seams) {
 
 }  // namespace
 
-CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets,
-                   int frame, std::optional<std::size_t> count, const Softness& softness)
+CarveMap::CarveMap(const Lattice& lattice, const std::vector<Ref<Seams>>& sets, int frame,
+                   std::optional<std::size_t> count, const Softness& softness)
     : CarveMap(lattice, sets, frame, count, std::vector<Softness>(sets.size(), softness)) {}
 
-CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets,
-                   int frame, std::optional<std::size_t> count, std::span<const Softness> softness)
+CarveMap::CarveMap(const Lattice& lattice, const std::vector<Ref<Seams>>& sets, int frame,
+                   std::optional<std::size_t> count, std::span<const Softness> softness)
     : reach_(lattice.shape) {
     auto shape = lattice.shape;
     const auto used_of = [&](std::size_t n) {
@@ -152,12 +152,17 @@ bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
     return moved;
 }
 
-openvdb::BBoxd CarveMap::moved() const {
+openvdb::BBoxd CarveMap::whole() const {
     openvdb::BBoxd out(openvdb::Vec3d(0),
                        openvdb::Vec3d(reach_[0] - 1, reach_[1] - 1, reach_[2] - 1));
     if (!steps_.empty() && (steps_.front().closed() || steps_.front().turns()))
         out.max().z() = reach_[2];
     if (!steps_.empty() && steps_.front().around()) out.max().y() = reach_[1];
+    return out;
+}
+
+openvdb::BBoxd CarveMap::moved() const {
+    auto out = whole();
     // If several axes are carved, a step along one axis moves vertices over the full length of the
     // others.
     const bool one_axis = std::all_of(steps_.begin(), steps_.end(), [&](const CarveStep& step) {

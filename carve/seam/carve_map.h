@@ -32,12 +32,12 @@ public:
     /// @param softness  of seams; a warp is already smooth
     /// @throws Failure if a set is of frames, belongs to another lattice or misses the frame, if
     ///   shapes do not chain, or if count is too high
-    CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets,
-             int frame, std::optional<std::size_t> count, const Softness& softness = {});
+    CarveMap(const Lattice& lattice, const std::vector<Ref<Seams>>& sets, int frame,
+             std::optional<std::size_t> count, const Softness& softness = {});
 
     /// The same, with one softness per set; sets beyond the span get none.
-    CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets,
-             int frame, std::optional<std::size_t> count, std::span<const Softness> softness);
+    CarveMap(const Lattice& lattice, const std::vector<Ref<Seams>>& sets, int frame,
+             std::optional<std::size_t> count, std::span<const Softness> softness);
 
     /// The lattice in whose index coordinates the map works: the given one, extended before its
     /// first vertices and behind its last plane as anchored insertions need.
@@ -71,6 +71,8 @@ public:
     /// @param frees  set to true if part of the box becomes background, else unchanged
     /// @return false if nothing in the box moves
     bool trace(openvdb::BBoxd& range, bool& frees) const;
+    /// The box of all carved lattice coordinates.
+    openvdb::BBoxd whole() const;
     /// A box of lattice coordinates outside which nothing moves.
     openvdb::BBoxd moved() const;
 

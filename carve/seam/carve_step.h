@@ -39,23 +39,18 @@ public:
     int axis() const { return axis_; }
     int lateral_axis() const { return lateral_axis_; }
     int slice_axis() const { return slice_axis_; }
-    bool inserts() const {
-        return inserts_;
-    }  ///< whether seams insert; of pairs, those of the first window; false for a warp
+    /// Whether seams insert; of pairs, those of the first window; false for a warp.
+    bool inserts() const { return inserts_; }
     bool paired() const { return paired_; }
-    bool thick() const {
-        return thick_;
-    }  ///< whether seams are slabs (Seams::thickness); a slab's bounds are the same entry
+    /// Whether seams are slabs (Seams::thickness); a slab's bounds are the same entry.
+    bool thick() const { return thick_; }
     bool warps() const { return !column_ends_.empty(); }  ///< whether the set is a warp
-    bool closed() const {
-        return closed_;
-    }  ///< whether slice slices() is slice 0 again; first_slice() is then 0
-    bool turns() const {
-        return turns_;
-    }  ///< whether the carved axis is a ring: entry before() is entry 0 again
-    bool around() const {
-        return around_;
-    }  ///< whether column laterals() is column 0 again; first_lateral() is then 0
+    /// Whether slice slices() is slice 0 again; first_slice() is then 0.
+    bool closed() const { return closed_; }
+    /// Whether the carved axis is a ring: entry before() is entry 0 again.
+    bool turns() const { return turns_; }
+    /// Whether column laterals() is column 0 again; first_lateral() is then 0.
+    bool around() const { return around_; }
     int count() const { return static_cast<int>(count_); }  ///< number of seams; 0 for a warp
     int before() const { return before_; }  ///< vertices along the axis before the carve
     int after() const { return after_; }

@@ -70,9 +70,8 @@ struct Seams {
     }
     int lateral() const { return shape[lateral_dimension(axis)]; }
     int slices() const { return shape[slice_dimension(axis)]; }
-    bool slices_close() const {
-        return closed && axis != Axis::w;
-    }  ///< whether the last slice is followed by the first
+    /// Whether the last slice is followed by the first.
+    bool slices_close() const { return closed && axis != Axis::w; }
     /// The vertices that seams may take if no window is stated. Around a rig they leave out the rig
     /// itself, where all columns meet.
     Window whole_window() const { return {around && !in_time() ? 1 : 0, carved() - 1}; }

@@ -42,12 +42,10 @@ public:
     /// Number of points along the axis, laterally and along w.
     static std::array<int, 3> points_of(const std::array<int, 3>& vertices, const Rings& rings,
                                         int factor);
-    const std::array<int, 3>& vertices() const {
-        return vertices_;
-    }  ///< along the axis, laterally, along w
-    const std::array<int, 3>& points() const {
-        return points_;
-    }  ///< along the axis, laterally, along w
+    /// Along the axis, laterally, along w.
+    const std::array<int, 3>& vertices() const { return vertices_; }
+    /// Along the axis, laterally, along w.
+    const std::array<int, 3>& points() const { return points_; }
     const Rings& rings() const { return rings_; }
     int factor() const { return factor_; }
     std::size_t frames() const { return values_->count(); }
@@ -64,9 +62,8 @@ public:
     double scale() const { return scale_; }
     void set_scale(double scale) { scale_ = scale; }  ///< the displacement is linear in it
 
-    bool linear() const {
-        return linear_;
-    }  ///< whether every scale gives the warp of an amount; else only the present scale does
+    /// Whether every scale gives the warp of an amount; else only the present scale does.
+    bool linear() const { return linear_; }
     void set_linear(bool linear) { linear_ = linear; }
 
     /// Scaled displacements of a column's vertices. Where all values around a vertex are 0, its

@@ -26,10 +26,6 @@ bool in_open_line(const EnergyVolume& energy) {
     return in_line(columns) && !closes(columns);
 }
 
-Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, const Tick& tick) {
-    return DynamicSeams()(energy, window, number, tick);
-}
-
 Seams::Seam DynamicSeams::operator()(const EnergyVolume& energy, Window window, int number,
                                      const Tick& tick) const {
     const Columns columns(energy);

@@ -30,9 +30,8 @@ public:
         return dynamic_cast<const RawGrid*>(&grid);
     }
     std::uint32_t compression() const { return bytes_->compression; }
-    std::uint64_t size() const {
-        return bytes_->topology.size() + bytes_->buffers.size();
-    }  ///< bytes
+    /// Bytes.
+    std::uint64_t size() const { return bytes_->topology.size() + bytes_->buffers.size(); }
 
     openvdb::Name type() const override { return type_; }
     openvdb::Name valueType() const override { return "unknown"; }

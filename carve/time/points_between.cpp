@@ -1,5 +1,6 @@
 #include "carve/time/points_between.h"
 
+#include "carve/base/even_share.h"
 #include "carve/points/point_grid.h"
 #include "carve/points/point_vectors.h"
 #include "carve/time/scale_search.h"
@@ -54,15 +55,6 @@ void each_id(const Cloud& a, const Cloud& b, const Both& both, const One& one) {
             one(y->second, false, y->first);
             ++y;
         } else both((x++)->second, (y++)->second);
-}
-
-/// The moment at which a point appears or vanishes, evenly spread over 0 to 1 (the mixing of
-/// splitmix64).
-double moment_of(std::uint64_t id) {
-    id += 0x9e3779b97f4a7c15u;
-    id = (id ^ (id >> 30)) * 0xbf58476d1ce4e5b9u;
-    id = (id ^ (id >> 27)) * 0x94d049bb133111ebu;
-    return std::ldexp(static_cast<double>((id ^ (id >> 31)) >> 11), -53);
 }
 
 /// A position on the curve from `a` to `b` that begins and ends with the motions `from` and `to`.
@@ -174,7 +166,7 @@ public:
                         (1 - share) * a_.velocity[x] + share * b_.velocity[y];
             },
             [&](std::size_t n, bool of_a, std::uint64_t id) {
-                if (of_a == (share_of(n, of_a) < moment_of(id))) show(n, of_a, moved(n, of_a));
+                if (of_a == (share_of(n, of_a) < even_share(id))) show(n, of_a, moved(n, of_a));
             });
         std::ranges::sort(images_, std::less<>(), &PointImage::source);
     }
@@ -259,7 +251,9 @@ double point_scale(const Points& a, const Points& b, const std::string& velocity
 Points points_mixed(const Points& a, const Points& b, const ShareAt& share, const Points& nearer) {
     if (!alike(a, b)) return nearer;
     std::vector<PointImage> images;
-    const auto shown = [&](std::uint64_t id, const Vec3d& at) { return share(at) > moment_of(id); };
+    const auto shown = [&](std::uint64_t id, const Vec3d& at) {
+        return share(at) > even_share(id);
+    };
     const auto at = a.positions(), next = b.positions();
     const auto ids = a.identities(), next_ids = b.identities();
     std::unordered_map<std::uint64_t, bool> second;  // whether a point of `a` changed to `b`, by

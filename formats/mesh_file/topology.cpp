@@ -42,9 +42,6 @@ Topology topology_of(const Mesh& mesh) {
         if (!joined.add_face(corners).is_valid()) ++out.non_manifold_faces;
     }
     out.boundary_edges = boundary_edges(mesh);
-    std::vector<bool> used(mesh.points.size());
-    for (const auto vertex : mesh.corners) used[vertex] = true;
-    out.lone_vertices = static_cast<std::size_t>(std::count(used.begin(), used.end(), false));
     return out;
 }
 

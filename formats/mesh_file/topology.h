@@ -11,7 +11,6 @@ struct Topology {
     std::size_t non_manifold_faces = 0;  ///< faces at an edge with more than two or oppositely
                                          ///< oriented faces, or at a vertex shared by several fans
     std::size_t degenerate_faces = 0;    ///< faces that have a vertex twice
-    std::size_t lone_vertices = 0;       ///< vertices without a face
 
     /// Whether the faces enclose a space, so that the mesh has an inside, whatever their
     /// orientation.
@@ -22,7 +21,7 @@ struct Topology {
 /// that does not fit those before it counts as non-manifold. Degenerate faces are not added.
 Topology topology_of(const Mesh& mesh);
 
-/// The faults in words, or empty. Boundary edges and lone vertices do not count as faults.
+/// The faults in words, or empty. Boundary edges do not count as faults.
 std::string faults_of(const Topology& topology);
 
 }  // namespace fluidcarve

@@ -169,8 +169,7 @@ std::string obj_text(const std::vector<SeamCurves>& curves, const Provenance& pr
 std::vector<SeamCurves> seam_curves(const Lattice& lattice, const Seams& seams, int frame,
                                     const std::array<int, 2>& every) {
     // A map of 0 seams only checks whether they fit.
-    static_cast<void>(CarveMap(
-        lattice, {std::shared_ptr<const Seams>(std::shared_ptr<const Seams>(), &seams)}, frame, 0));
+    static_cast<void>(CarveMap(lattice, {Ref<Seams>(Ref<Seams>(), &seams)}, frame, 0));
     const auto t = std::ranges::find(seams.frames, frame) - seams.frames.begin();
     return Finder(lattice, seams, static_cast<std::size_t>(t), every).find();
 }

@@ -488,9 +488,4 @@ VdbHeader read_vdb_header(const std::string& path) { return VdbFile(path).header
 
 Volume read_vdb(const std::string& path) { return VdbFile(path).read(); }
 
-openvdb::GridBase::Ptr read_vdb_grid(const std::string& path, const std::string& name) {
-    VdbFile file(path);
-    return file.read(file.header().place(name));
-}
-
 }  // namespace fluidcarve

@@ -81,9 +81,6 @@ private:
 VdbHeader read_vdb_header(const std::string& path);
 /// VdbFile::read of a file.
 Volume read_vdb(const std::string& path);
-/// Reads one grid only. @param name  as in VdbHeader::place
-/// @throws Failure (input) as VdbHeader::place and VdbFile
-openvdb::GridBase::Ptr read_vdb_grid(const std::string& path, const std::string& name);
 
 /// Compression of a file. All are lossless.
 enum class Codec {

@@ -27,7 +27,7 @@ namespace {
 Json to_json(const Vec3d& at) { return {at.x(), at.y(), at.z()}; }
 
 /// Number of vertices by which a chain of sets may move content along its axes.
-int farthest_move(const std::vector<std::shared_ptr<const Seams>>& sets) {
+int farthest_move(const std::vector<Ref<Seams>>& sets) {
     std::size_t out = 0;
     for (const auto& set : sets) out += set->seams.size();
     return static_cast<int>(out);
@@ -58,8 +58,7 @@ CoordBBox shown_box(const std::vector<PageFrame>& frames) {
 
 /// Number of planes by which carves of any number of seams reach beyond a lattice: before its
 /// first plane, and behind its last.
-std::array<int, 2> planes_beyond(const Lattice& lattice,
-                                 const std::vector<std::shared_ptr<const Seams>>& sets) {
+std::array<int, 2> planes_beyond(const Lattice& lattice, const std::vector<Ref<Seams>>& sets) {
     int origin = 0, first = 0, last = lattice.shape[2] - 1;
     for (const auto& set : sets) {
         if (set->axis != Axis::w) continue;
@@ -76,8 +75,7 @@ std::array<int, 2> planes_beyond(const Lattice& lattice,
 
 /// Planes in page voxels: of each the position of vertex (0, 0) and the steps to the next vertex
 /// along u, v and w.
-Json lattice_json(const Lattice& given, const std::vector<std::shared_ptr<const Seams>>& sets,
-                  const PageGrid& page) {
+Json lattice_json(const Lattice& given, const std::vector<Ref<Seams>>& sets, const PageGrid& page) {
     const auto alignment = align(given, *page.space);
     const auto lattice =
         alignment && alignment->one_to_one() ? on_voxels(given, *alignment, *page.space) : given;
@@ -108,8 +106,7 @@ Json rig_json(const Rig& rig, const PageGrid& page) {
 }
 
 /// Entries of all seams of a frame as original indices: `[set][window][seam][column]`.
-std::vector<std::uint16_t> original_entries(const std::vector<std::shared_ptr<const Seams>>& sets,
-                                            int frame) {
+std::vector<std::uint16_t> original_entries(const std::vector<Ref<Seams>>& sets, int frame) {
     std::vector<std::uint16_t> out;
     for (const auto& set : sets) {
         const auto t = static_cast<std::size_t>(

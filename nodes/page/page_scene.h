@@ -35,7 +35,7 @@ struct PageFrame {
     std::shared_ptr<const Lattice> lattice;  ///< null, or set in all frames; set if there are seams
     std::shared_ptr<const Rig> rig;          ///< null, or set in all frames
     std::vector<std::pair<std::string, openvdb::GridBase::ConstPtr>> masks;  ///< by name
-    std::vector<std::shared_ptr<const Seams>> seams;  ///< in the order of carving
+    std::vector<Ref<Seams>> seams;  ///< in the order of carving
 };
 
 /// The data of a page, which its script reads (nodes/page/scene.js). Volumes have 8 bits a voxel,

@@ -60,14 +60,14 @@ void require_still(const Seams& seams) {
 
 }  // namespace
 
-CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams,
+CarveMap carve_map(const Lattice& lattice, const std::vector<Ref<Seams>>& seams,
                    const Auto<Count>& count, const Context& context, const JoinParams& join) {
     if (!context.per_frame())
         for (const auto& set : seams) require_still(*set);
     return carve_map(lattice, seams, count, context.frame(), join);
 }
 
-CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams,
+CarveMap carve_map(const Lattice& lattice, const std::vector<Ref<Seams>>& seams,
                    const Auto<Count>& count, int frame, const JoinParams& join) {
     std::vector<Softness> softness;
     for (const auto& set : seams) softness.push_back(softness_of(join, *set));

@@ -28,12 +28,12 @@ std::optional<std::size_t> seams_of(const Auto<Count>& asked, const Seams& last)
 /// @throws Failure as CarveMap; as softness_of(); if `count` removes and the seams insert, or asks
 ///   for a part of a warp; if the node runs once for all frames, but the seams change from frame to
 ///   frame
-CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams,
+CarveMap carve_map(const Lattice& lattice, const std::vector<Ref<Seams>>& seams,
                    const Auto<Count>& count, const Context& context,
                    const JoinParams& join = {Join::cut, {}, {}, 0});
 /// The same in any given frame, for nodes that may carve a static source per frame: seams may
 /// change from frame to frame.
-CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams,
+CarveMap carve_map(const Lattice& lattice, const std::vector<Ref<Seams>>& seams,
                    const Auto<Count>& count, int frame,
                    const JoinParams& join = {Join::cut, {}, {}, 0});
 

@@ -37,7 +37,7 @@ struct SheetFrame {
     std::shared_ptr<const FloatGrid> energy;
     std::shared_ptr<const Lattice> lattice;  ///< set if there are seams, or it is drawn
     std::shared_ptr<const Rig> rig;          ///< set if it is drawn
-    std::shared_ptr<const Seams> seams;
+    Ref<Seams> seams;
 };
 
 /// Makes the rows of a sheet, frame by frame: for each way to show them `before`, `after` and,

@@ -12,7 +12,7 @@ void BodyHost::count_items(const Payload* result, CostSetting& at) {
     if (result) found_ = growth->extent(*result);
     const auto all = result ? found_.count : wanted();
     at.items = all > before_.count ? all - before_.count : 0;
-    at.of = found_.of;
+    at.all_items = found_.of;
 }
 
 void BodyHost::warn(const std::string& message) {

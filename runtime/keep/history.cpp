@@ -189,13 +189,10 @@ const std::array<std::pair<Work, const char*>, work_kinds> names_of_work{
     {Work::once, "once"}};
 
 json json_of(const WorkTime& cost) {
-    return {{"seconds", cost.seconds},
-            {"abreast", cost.at.abreast},
-            {"cores", cost.at.cores},
-            {"input_bytes", cost.at.input_bytes},
-            {"gathered", cost.at.gathered},
-            {"items", cost.at.items},
-            {"of", cost.at.of}};
+    return {{"seconds", cost.seconds},      {"abreast", cost.at.abreast},
+            {"cores", cost.at.cores},       {"input_bytes", cost.at.input_bytes},
+            {"gathered", cost.at.gathered}, {"items", cost.at.items},
+            {"of", cost.at.all_items}};
 }
 
 WorkTime cost_in(const json& from) {

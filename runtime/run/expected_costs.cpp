@@ -10,9 +10,10 @@ namespace {
 std::size_t items_to_find(const Node& node, const std::optional<GrownResult>& kept,
                           const std::optional<WorkTime>& measured) {
     if (!node.type->growth) return 0;
-    const auto wanted = node.type->growth->wanted(node.params.get(), kept       ? kept->extent.of
-                                                                     : measured ? measured->at.of
-                                                                                : 0);
+    const auto wanted =
+        node.type->growth->wanted(node.params.get(), kept       ? kept->extent.of
+                                                     : measured ? measured->at.all_items
+                                                                : 0);
     const auto found = kept ? kept->extent.count : 0;
     return wanted > found ? wanted - found : 0;
 }

@@ -19,7 +19,7 @@ struct CostSetting {
     std::uint64_t input_bytes = 0;  ///< memory of a frame, as the readers estimate it
     std::size_t gathered = 0;       ///< frames that a gathering node had taken
     std::size_t items = 0;          ///< items of a growing result (Growth) that were found
-    std::size_t of = 0;             ///< Extent::of of that result
+    std::size_t all_items = 0;      ///< 100 % of a count of items (Extent::of)
 };
 
 /// A measured time, with its setting.
@@ -76,9 +76,8 @@ public:
         /// Ends the span; does nothing if it has ended.
         /// @return its share of the wall time so far, seconds
         double end();
-        double cores() const {
-            return cores_;
-        }  ///< cores that the process kept busy, once the span has ended
+        /// Cores that the process kept busy, once the span has ended.
+        double cores() const { return cores_; }
 
     private:
         WorkTimes& costs_;

@@ -80,9 +80,8 @@ public:
 
     std::vector<Fault> faults() const;  ///< sorted by frame, then by the pipeline's order of nodes
     std::vector<std::string> warnings() const;
-    const std::vector<std::string>& lines() const {
-        return lines_;
-    }  ///< only for use when no node is at work
+    /// Only for use when no node is at work.
+    const std::vector<std::string>& lines() const { return lines_; }
     /// A node's entry in a section; null if there is none.
     nlohmann::ordered_json entry_of(std::size_t node, const std::string& section) const;
     /// The content of the report file (pipelines/FORMATS.md).

@@ -38,6 +38,7 @@
 #include "tests/support/program.h"
 #include "tests/support/seams_through.h"
 #include "tests/support/synthetic_energy.h"
+#include "tests/support/vdb_grid.h"
 
 #include <openvdb/tools/GridTransformer.h>
 

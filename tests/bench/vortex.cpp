@@ -9,6 +9,7 @@
 #include "formats/vdb/vdb_file.h"
 #include "tests/bench/measure.h"
 #include "tests/support/program.h"
+#include "tests/support/vdb_grid.h"
 
 #include <fmt/ranges.h>
 

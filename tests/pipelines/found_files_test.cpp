@@ -3,6 +3,7 @@
 #include "formats/vdb/vdb_file.h"
 #include "tests/support/program.h"
 #include "tests/support/sampled.h"
+#include "tests/support/vdb_grid.h"
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>

@@ -29,7 +29,7 @@ inline Seams wavy_seams(const Lattice& lattice, Axis axis, Seams::Kind kind, int
 }
 
 inline CarveMap map_of(const Lattice& lattice, const std::vector<Seams>& sets, int frame = 1) {
-    std::vector<std::shared_ptr<const Seams>> list;
+    std::vector<Ref<Seams>> list;
     for (const auto& set : sets) list.push_back(std::make_shared<Seams>(set));
     return {lattice, list, frame, {}};
 }

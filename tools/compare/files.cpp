@@ -162,17 +162,11 @@ std::vector<PartDifference> compare_geometry(const FilePair& files, const Tolera
 
 }  // namespace
 
-FileComparer volume_comparer() { return {{".vdb"}, &compare_volumes, &draw_volumes}; }
-
-FileComparer image_comparer() { return {all_image_endings(), &compare_images, &draw_images}; }
-
-FileComparer geometry_comparer() {
-    return {{".obj", ".ply", ".off", ".stl", ".csv"}, &compare_geometry, nullptr};
-}
-
 const std::vector<FileComparer>& comparers() {
-    static const std::vector<FileComparer> all{volume_comparer(), image_comparer(),
-                                               geometry_comparer()};
+    static const std::vector<FileComparer> all{
+        {{".vdb"}, &compare_volumes, &draw_volumes},
+        {all_image_endings(), &compare_images, &draw_images},
+        {{".obj", ".ply", ".off", ".stl", ".csv"}, &compare_geometry, nullptr}};
     return all;
 }
 

@@ -4,18 +4,12 @@
 
 namespace fluidcarve {
 
-/// Compares the grids of .vdb files, by their names. Only two grids are in memory at once.
-FileComparer volume_comparer();
-
-/// Compares the channels of images, pixel by pixel, as image.read gives them: upright, integers
-/// from 0 to 1.
-FileComparer image_comparer();
-
-/// Compares meshes, points and curves: positions one by one, in the order of the files; of meshes
-/// the faces, too, and the names of the attributes.
-FileComparer geometry_comparer();
-
-/// All of them.
+/// All comparers of files:
+/// - of the grids of .vdb files, by their names; only two grids are in memory at once
+/// - of the channels of images, pixel by pixel, as image.read gives them: upright, integers from 0
+///   to 1
+/// - of meshes, points and curves: positions one by one, in the order of the files; of meshes the
+///   faces, too, and the names of the attributes
 const std::vector<FileComparer>& comparers();
 
 }  // namespace fluidcarve

@@ -66,13 +66,4 @@ bool CarveDerivative::exact() const {
                                [](const CarveStep& step) { return step.soft() != nullptr; });
 }
 
-openvdb::BBoxd CarveDerivative::range() const {
-    const auto& reach = map_.reach();
-    const bool closed =
-        !map_.empty() && (map_.steps().front().closed() || map_.steps().front().turns());
-    const bool around = !map_.empty() && map_.steps().front().around();
-    return {Vec3d(0), Vec3d(reach[0] - 1, around ? reach[1] : reach[1] - 1,
-                            closed ? reach[2] : reach[2] - 1)};
-}
-
 }  // namespace fluidcarve

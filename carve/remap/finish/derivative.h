@@ -52,7 +52,7 @@ public:
     const Mapping& mapping() const { return mapping_; }
 
     /// Box of carved lattice coordinates outside which there is no derivative.
-    openvdb::BBoxd range() const;
+    openvdb::BBoxd range() const { return map_.whole(); }
 
 private:
     const Mapping& mapping_;

@@ -1,5 +1,6 @@
 #include "carve/remap/geometry/points.h"
 
+#include "carve/base/even_share.h"
 #include "carve/remap/finish/derivative.h"
 #include "carve/seam/carve_inverse.h"
 #include "carve/seam/joins.h"
@@ -20,14 +21,6 @@ namespace {
 using openvdb::Vec2d;
 using openvdb::Vec3d;
 
-/// Hashes a number to 64 well-mixed bits (Steele, Lea and Flood 2014).
-std::uint64_t mixed(std::uint64_t x) {
-    x += 0x9e3779b97f4a7c15u;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-}
-
 /// Reflects a coordinate that lies beyond an interval back into it.
 double reflected(double x, const Vec2d& room) {
     if (x < room[0]) x = 2 * room[0] - x;
@@ -43,9 +36,7 @@ bool reaches(const openvdb::BBoxd& box, const Vec3d& at) {
 }
 
 /// A number from 0 up to 1, evenly distributed over identities.
-double share(std::uint64_t identity) {
-    return static_cast<double>(mixed(identity ^ 0x5eedu) >> 11) * 0x1p-53;
-}
+double share(std::uint64_t identity) { return even_share(identity ^ 0x5eedu); }
 
 /// A point that passes through the steps.
 struct MovedPoint {

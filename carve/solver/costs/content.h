@@ -18,9 +18,8 @@ struct Content {
         voxels += other.voxels;
         inside += other.inside;
     }
-    double share() const {
-        return inside / static_cast<double>(voxels);
-    }  ///< 0 to 1; only if there are voxels
+    /// 0 to 1; only if there are voxels.
+    double share() const { return inside / static_cast<double>(voxels); }
 };
 
 /// Counts the active voxels of a grid in a lattice. A voxel lies in the lattice if its centre is

@@ -146,10 +146,10 @@ NoSeam::NoSeam(int found, const Bottleneck& at)
 namespace {
 
 /// The loop of find_seams(), search by search.
-class SeamSearch {
+class SeamsInTurn {
 public:
-    SeamSearch(EnergyVolume& volume, Seams::Kind kind, int count, Window window, bool static_,
-               const KeepSeam& keep, const Continued& continued)
+    SeamsInTurn(EnergyVolume& volume, Seams::Kind kind, int count, Window window, bool static_,
+                const KeepSeam& keep, const Continued& continued)
         : volume_(volume),
           kind_(kind),
           count_(count),
@@ -402,7 +402,7 @@ private:
 FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window,
                       const FindSeam& find, const Tick& tick, const KeepSeam& keep, bool static_,
                       const Continued& continued) {
-    return SeamSearch(volume, kind, count, window, static_, keep, continued).run(find, tick);
+    return SeamsInTurn(volume, kind, count, window, static_, keep, continued).run(find, tick);
 }
 
 }  // namespace fluidcarve

@@ -6,7 +6,7 @@
 
 namespace fluidcarve {
 
-/// Finds the seams of columns in one open line, as dynamic_seam(), one after the other. It keeps
+/// Finds the seams of columns in one open line, as DynamicSeams, one after the other. It keeps
 /// the costs of the cheapest paths to every 32nd column, and recomputes those between around the
 /// seam. The next seam begins with these costs: only paths that the deleted seam may have changed
 /// are followed again, as long as they differ from before. This does not change the seams.

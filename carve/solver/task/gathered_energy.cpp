@@ -102,7 +102,7 @@ void GatheredEnergy::add(const SolverParams& params, const FrameEnergy& frame, c
     join(marks_.attract_missed, frame.attract_missed);
     forward_ = !frame.field.empty();
     finest_ = frame.finest;
-    if (!energy_) energy_.emplace(room(lattice.shape, at.of, params, limits, budget(limits)));
+    if (!energy_) energy_.emplace(room(lattice.shape, at.frames, params, limits, budget(limits)));
     gather(frame, at.place / static_cast<std::size_t>(finest_));
 }
 
@@ -190,7 +190,8 @@ GatheredEnergy::Taken GatheredEnergy::carved(const SolverParams& params, const C
                                              const Limits& limits) {
     auto from = std::move(*energy_);
     const auto& shape = lattices_.front()->shape;
-    auto out = room(space.shape(), space.frames().size(), params, limits, left_beside(from, limits));
+    auto out =
+        room(space.shape(), space.frames().size(), params, limits, left_beside(from, limits));
     for (std::size_t t = 0; t < out.frames(); ++t) {
         const auto first = t * static_cast<std::size_t>(finest_),
                    place = space.place(first) / static_cast<std::size_t>(finest_);

@@ -25,9 +25,9 @@ namespace fluidcarve {
 
 /// A frame of a sequence.
 struct FramePlace {
-    int number = 1;         ///< for messages
-    std::size_t place = 0;  ///< index in the sequence
-    std::size_t of = 1;     ///< frames of the sequence
+    int number = 1;          ///< for messages
+    std::size_t place = 0;   ///< index in the sequence
+    std::size_t frames = 1;  ///< number of frames in the sequence
 };
 
 /// Gathers the energy of a sequence frame by frame, with lattices, fields, mask counts and active
@@ -41,9 +41,8 @@ public:
     void add(const SolverParams& params, const FrameEnergy& frame, const FramePlace& at,
              const Limits& limits);
 
-    const std::vector<Ref<Lattice>>& lattices() const {
-        return lattices_;
-    }  ///< of the frames that were added
+    /// Of the frames that were added.
+    const std::vector<Ref<Lattice>>& lattices() const { return lattices_; }
     /// 1, or 2 if the frames came at half size. Then two frames become one, too: their mean.
     int finest() const { return finest_; }
     bool has_field() const { return forward_; }         ///< whether the frames came with a field

@@ -19,9 +19,8 @@ struct SeamTask {
         Seams::Kind kind = Seams::Kind::remove;
         Window window;
         bool static_ = false;
-        std::string prefix() const {
-            return pair ? "pair_" : "";
-        }  ///< of the names of its parameters and report entries
+        /// Of the names of its parameters and report entries.
+        std::string prefix() const { return pair ? "pair_" : ""; }
     };
     Axis axis = Axis::u;
     std::array<int, 3> shape{};  ///< I, J, K of the space

@@ -160,7 +160,7 @@ TEST_CASE("dynamic programming does the same along a line") {
         if (!puzzle.possible()) continue;
         ++possible;
         INFO("case " << n);
-        const auto seam = dynamic_seam(puzzle.energy, puzzle.window, n, nobody);
+        const auto seam = DynamicSeams()(puzzle.energy, puzzle.window, n, nobody);
         REQUIRE(puzzle.free(seam.at));
         REQUIRE(Puzzle::sum(seam.at, puzzle.cost) == puzzle.want.cost);
         REQUIRE(seam.energy == Puzzle::sum(seam.at, plain_energies(puzzle.energy)));

@@ -255,7 +255,7 @@ TEST_CASE("dynamic programming pays for steps and edges too, along a line in spa
         size[static_cast<std::size_t>(n % 3)] = 1 + static_cast<int>(random() % 10);
         const Paid paid(random, size, n % 2 == 0, 1 + static_cast<int>(random() % 6), n % 5 != 0);
         const auto window = random_window(random, paid.width);
-        const auto seam = dynamic_seam(paid.volume(), window, n, nobody);
+        const auto seam = DynamicSeams()(paid.volume(), window, n, nobody);
         INFO("case " << n);
         REQUIRE(is_seam(paid.graph, Band::whole(paid.graph.count(), window), seam.at));
         REQUIRE(paid(seam.at) == paid.least(window).cost);

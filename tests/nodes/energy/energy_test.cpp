@@ -12,6 +12,7 @@
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/sampled.h"
+#include "tests/support/vdb_grid.h"
 
 #include <catch2/catch.hpp>
 

@@ -191,7 +191,7 @@ TEST_CASE(
             *image_energy(volume_of(random_image(width, height, {"Y"}, seed))), width, height);
         const ColumnGraph graph({height, 1, 1});
         const auto band = Band::whole(static_cast<std::size_t>(height), {0, width - 1});
-        const auto seam = dynamic_seam(energy, {0, width - 1}, static_cast<int>(seed), nobody);
+        const auto seam = DynamicSeams()(energy, {0, width - 1}, static_cast<int>(seed), nobody);
         REQUIRE(is_seam(graph, band, seam.at));
         REQUIRE(seam.energy ==
                 Approx(brute_force(graph, band, energies_of(energy)).cost).epsilon(1e-12));
@@ -213,7 +213,7 @@ TEST_CASE(
     const auto lattice = make_box(openvdb::Vec3d(0), {width, height, 1}, 1, {0, 1, 2});
     auto seams = std::make_shared<Seams>(no_seams(lattice));
     for (int n = 0; n < count; ++n) {
-        auto seam = dynamic_seam(energy, {0, energy.width() - 1}, n, nobody);
+        auto seam = DynamicSeams()(energy, {0, energy.width() - 1}, n, nobody);
         REQUIRE(is_seam(graph,
                         Band::whole(static_cast<std::size_t>(height), {0, energy.width() - 1}),
                         seam.at));

@@ -16,6 +16,7 @@
 #include "tests/support/node_bench.h"
 #include "tests/support/point_lists.h"
 #include "tests/support/sampled.h"
+#include "tests/support/vdb_grid.h"
 #include "tests/support/wavy_seams.h"
 
 #include <fmt/format.h>

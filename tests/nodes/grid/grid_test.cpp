@@ -9,6 +9,7 @@
 #include "tests/support/node_bench.h"
 #include "tests/support/sampled.h"
 #include "tests/support/scratch.h"
+#include "tests/support/vdb_grid.h"
 
 #include <openvdb/tools/GridTransformer.h>
 #include <openvdb/tools/LevelSetSphere.h>

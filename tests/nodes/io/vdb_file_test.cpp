@@ -2,6 +2,7 @@
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
+#include "tests/support/vdb_grid.h"
 
 #include <fmt/format.h>
 #include <openvdb/io/File.h>

@@ -52,7 +52,7 @@ struct Case {
 struct Shown {
     Case what;
     FloatGrid::Ptr grid;
-    std::vector<std::shared_ptr<const Seams>> sets;
+    std::vector<Ref<Seams>> sets;
     int frame = 0;
     nlohmann::ordered_json scene;
 };

@@ -41,7 +41,7 @@ Seams anchored(Seams seams, Anchor anchor) {
 
 FloatGrid::ConstPtr carved_by_sets(const FloatGrid::Ptr& grid, const Lattice& in,
                                    const std::vector<Seams>& sets, Softness softness = {}) {
-    std::vector<std::shared_ptr<const Seams>> list;
+    std::vector<Ref<Seams>> list;
     for (const auto& set : sets) list.push_back(std::make_shared<Seams>(set));
     return openvdb::gridConstPtrCast<FloatGrid>(
         carve_grid(grid, in, CarveMap(in, list, 1, {}, softness), Interpolation::linear));

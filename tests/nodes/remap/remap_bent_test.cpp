@@ -227,7 +227,7 @@ TEST_CASE(
     const CoordBBox voxels(Coord(-8), Coord(26));
     const auto grid = sampled<FloatGrid>(voxels, 0.3, swirl);
     for (int n = 0; n < 24; ++n) {
-        std::vector<std::shared_ptr<const Seams>> of_box, of_planes;
+        std::vector<Ref<Seams>> of_box, of_planes;
         auto shape = box.shape;
         for (int step = 0; step < 3; ++step) {
             auto seams =

@@ -19,7 +19,7 @@ using openvdb::Vec3d;
 
 namespace {
 
-using SeamList = std::vector<std::shared_ptr<const Seams>>;
+using SeamList = std::vector<Ref<Seams>>;
 
 template <class T>
 T random_value(std::mt19937& random) {

@@ -29,7 +29,7 @@ using Kind = Seams::Kind;
 
 CarveMap soft_map(const Lattice& lattice, const std::vector<Seams>& sets, Softness softness,
                   int frame = 1) {
-    std::vector<std::shared_ptr<const Seams>> list;
+    std::vector<Ref<Seams>> list;
     for (const auto& set : sets) list.push_back(std::make_shared<Seams>(set));
     return {lattice, list, frame, {}, softness};
 }

@@ -44,7 +44,7 @@ TEST_CASE(
         const auto window = random_window(random, width);
         const auto band = Band::whole(graph.count(), window);
         const auto want = brute_force(graph, band, energies_of(energy));
-        const auto seam = dynamic_seam(energy, window, n, nobody);
+        const auto seam = DynamicSeams()(energy, window, n, nobody);
         INFO("case " << n);
         REQUIRE(is_seam(graph, band, seam.at));
         REQUIRE(sum_along(seam.at, energies_of(energy)) == want.cost);
@@ -58,7 +58,7 @@ TEST_CASE("dynamic programming and the cut agree on images") {
     for (const bool across : {false, true}) {
         const ColumnGraph graph(across ? std::array{90, 1, 1} : std::array{1, 90, 1});
         const auto energy = random_volume(random, graph, 70);
-        const auto seam = dynamic_seam(energy, {3, 66}, 0, nobody);
+        const auto seam = DynamicSeams()(energy, {3, 66}, 0, nobody);
         CHECK(is_seam(graph, Band::whole(90, {3, 66}), seam.at));
         CHECK(seam.energy == exact_seam(energy, {3, 66}, 0, [] {}).energy);
         CHECK(seam.energy < greedy_seam(energy, {3, 66}, 0, 16, nobody).energy);
@@ -72,7 +72,7 @@ TEST_CASE("long lines in windows: of least energy, whatever columns their ways a
         const int width = 1 + static_cast<int>(random() % 90);
         const auto energy = random_volume(random, graph, width, n % 3 == 0 ? 3 : 1024);
         const auto window = random_window(random, width);
-        const auto seam = dynamic_seam(energy, window, n, nobody);
+        const auto seam = DynamicSeams()(energy, window, n, nobody);
         INFO("case " << n);
         REQUIRE(is_seam(graph, Band::whole(graph.count(), window), seam.at));
         REQUIRE(seam.energy == least_energy(energy, graph.count(), window));
@@ -94,12 +94,13 @@ TEST_CASE(
                                 static_cast<std::size_t>(entry)] = 0;
         energy.set_rigidity({static_cast<float>(rigid), static_cast<float>(rigid)});
         const Window window{2, 1298};
-        const auto seam = with_threads(1, [&] { return dynamic_seam(energy, window, 0, nobody); });
+        const auto seam =
+            with_threads(1, [&] { return DynamicSeams()(energy, window, 0, nobody); });
         CHECK(is_seam(graph, Band::whole(graph.count(), window), seam.at));
         if (rigid == 0) CHECK(seam.energy == least_energy(energy, graph.count(), window));
         for (const int threads : {2, 3, 5}) {
             const auto other =
-                with_threads(threads, [&] { return dynamic_seam(energy, window, 0, nobody); });
+                with_threads(threads, [&] { return DynamicSeams()(energy, window, 0, nobody); });
             CHECK(other.at == seam.at);
             CHECK(other.energy == seam.energy);
         }
@@ -110,7 +111,7 @@ TEST_CASE("static seams of many frames are lines too") {
     std::mt19937 random(3);
     const auto sum = random_volume(random, ColumnGraph({9, 1, 4}), 6).sum();
     const ColumnGraph frame({9, 1, 1});
-    CHECK(dynamic_seam(sum, {0, 5}, 0, nobody).energy ==
+    CHECK(DynamicSeams()(sum, {0, 5}, 0, nobody).energy ==
           brute_force(frame, Band::whole(9, {0, 5}), energies_of(sum)).cost);
 }
 
@@ -119,7 +120,7 @@ TEST_CASE(
     "other for odd") {
     const auto flat = volume_of(ColumnGraph({7, 1, 1}), 5, [](std::size_t, int) { return 1.0; });
     for (const int number : {0, 1}) {
-        const auto seam = dynamic_seam(flat, {1, 4}, number, nobody);
+        const auto seam = DynamicSeams()(flat, {1, 4}, number, nobody);
         CHECK(std::all_of(seam.at.begin(), seam.at.end(),
                           [&](auto entry) { return entry == seam.at[0]; }));
     }
@@ -127,14 +128,14 @@ TEST_CASE(
     const auto fork = volume_of(ColumnGraph({2, 1, 1}), 5, [](std::size_t c, int entry) {
         return c == 1 ? (entry == 2 ? 0.0 : 5.0) : (entry == 2 ? 1.0 : 0.0);
     });
-    CHECK(dynamic_seam(fork, {0, 4}, 0, nobody).at == SeamEntries{1, 2});
-    CHECK(dynamic_seam(fork, {0, 4}, 1, nobody).at == SeamEntries{3, 2});
+    CHECK(DynamicSeams()(fork, {0, 4}, 0, nobody).at == SeamEntries{1, 2});
+    CHECK(DynamicSeams()(fork, {0, 4}, 1, nobody).at == SeamEntries{3, 2});
 }
 
 TEST_CASE("volumes are no images: dynamic programming names who takes them") {
     const auto energy = volume_of(ColumnGraph({3, 2, 4}), 5, [](std::size_t, int) { return 1.0; });
     CHECK(failure_of([&] {
-              dynamic_seam(energy, {0, 4}, 0, nobody);
+              DynamicSeams()(energy, {0, 4}, 0, nobody);
           }) ==
           "seam.dynamic needs columns in one line, as in images, but there are 3 x 2 x 4 columns "
           "(lateral, k, frames); use seam.pyramid or seam.graph_cut");
@@ -170,7 +171,7 @@ TEST_CASE("seams that begin with what the last one left are those found anew") {
         for (int number = 0; number < 30; ++number) {
             const Window left{window.first, window.last - number};
             const auto seam = consecutive(energy, left, number, nobody),
-                       anew = dynamic_seam(energy, left, number, nobody);
+                       anew = DynamicSeams()(energy, left, number, nobody);
             REQUIRE(seam.at == anew.at);
             REQUIRE(seam.energy == anew.energy);
             energy.remove(seam.at, left);
@@ -185,7 +186,7 @@ TEST_CASE("a search that does not follow the last one begins anew") {
     const DynamicSeams seams;
     const auto same = [&](const EnergyVolume& in, Window window, int number) {
         const auto seam = seams(in, window, number, nobody);
-        CHECK(seam.at == dynamic_seam(in, window, number, nobody).at);
+        CHECK(seam.at == DynamicSeams()(in, window, number, nobody).at);
         return seam;
     };
     energy.remove(same(energy, {0, 89}, 0).at, {0, 89});

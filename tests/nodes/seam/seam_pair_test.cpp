@@ -18,7 +18,7 @@ using openvdb::Vec3d;
 
 namespace {
 
-using SeamList = std::vector<std::shared_ptr<const Seams>>;
+using SeamList = std::vector<Ref<Seams>>;
 
 /// Noise over and around a lattice that begins at the origin, every seventh voxel inactive.
 template <class Grid>

@@ -246,7 +246,7 @@ TEST_CASE("seams and warps chain in their order") {
 TEST_CASE(
     "a warp is carved whole or, with a count of 0, not at all, and softness leaves it as it is") {
     const auto lattice = box({20, 4, 3});
-    const std::vector<std::shared_ptr<const Seams>> sets{
+    const std::vector<Ref<Seams>> sets{
         std::make_shared<Seams>(warped(lattice, evenly(lattice, -4)))};
     CHECK(carve_map(lattice, sets, Count{0}, 1).empty());
     CHECK(failure_of([&] { carve_map(lattice, sets, Count{-2}, 1); }) ==
