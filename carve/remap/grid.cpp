@@ -31,13 +31,14 @@ openvdb::GridBase::ConstPtr carve(const openvdb::GridBase::ConstPtr& base,
                                   const CarveMap& map, Interpolation interpolation) {
     const auto grid = openvdb::GridBase::grid<GridT>(base);
     // If displacements are smoothed, chains of steps would interpolate several times.
-    const bool straight = !map.soft() || (map.steps().size() == 1 && !map.joins() && !map.fades() &&
-                                          interpolation == Interpolation::linear);
+    const bool straight =
+        !map.soft() || (map.steps().size() == 1 && !map.joins() && !map.rims_fade() &&
+                        interpolation == Interpolation::linear);
     const auto aligned =
         alignment && straight ? carve_aligned<GridT>(grid, *alignment, map) : nullptr;
-    return aligned && !map.fades() ? aligned
-                                   : carve_sampled<GridT>(grid, Mapping(lattice, map.reach()), map,
-                                                          interpolation, aligned);
+    return aligned && !map.rims_fade() ? aligned
+                                       : carve_sampled<GridT>(grid, Mapping(lattice, map.reach()),
+                                                              map, interpolation, aligned);
 }
 
 /// @param cells  transform of the voxels that the grid's values belong to
@@ -47,7 +48,7 @@ openvdb::GridBase::ConstPtr carve_any(const openvdb::GridBase::ConstPtr& grid,
     const auto given = map.extended(whole);
     const auto alignment = one_to_one(given, cells);
     const auto lattice =
-        alignment && (map.fades() || map.soft()) ? on_voxels(given, *alignment, cells) : given;
+        alignment && (map.rims_fade() || map.soft()) ? on_voxels(given, *alignment, cells) : given;
 #define FLUIDCARVE_TRY(GridT) \
     if (grid->isType<GridT>()) return carve<GridT>(grid, alignment, lattice, map, interpolation);
     FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_TRY)

@@ -109,7 +109,7 @@ bool CarveMap::joins() const {
                        [](const CarveStep& step) { return step.joins() != nullptr; });
 }
 
-void CarveMap::fade(double vertices) {
+void CarveMap::fade_rims(double vertices) {
     for (auto& step : steps_) {
         const auto require = [&](int size, const std::string& along) {
             if (size > 1 && size - 1 < 2 * vertices)
@@ -120,13 +120,13 @@ void CarveMap::fade(double vertices) {
         };
         if (!step.around()) require(step.laterals(), std::string(1, "uvw"[step.lateral_axis()]));
         if (!step.closed()) require(step.slices(), std::string(1, "uvw"[step.slice_axis()]));
-        step.fade(vertices);
+        step.fade_rims(vertices);
     }
 }
 
-bool CarveMap::fades() const {
+bool CarveMap::rims_fade() const {
     return std::any_of(steps_.begin(), steps_.end(),
-                       [](const CarveStep& step) { return step.fades(); });
+                       [](const CarveStep& step) { return step.rims_fade(); });
 }
 
 bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {

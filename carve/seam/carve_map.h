@@ -53,8 +53,8 @@ public:
     /// @param vertices  length of the fade, above 0
     /// @throws Failure if the lattice is so thin that no vertex would move by its full
     ///   displacement
-    void fade(double vertices);
-    bool fades() const;
+    void fade_rims(double vertices);
+    bool rims_fade() const;
     /// Whether any step has smooth displacements: a warp, or softened seams.
     bool soft() const;
     /// Whether the seams of any step are joined by a fade.

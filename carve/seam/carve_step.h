@@ -108,8 +108,8 @@ public:
                lateral <= (around_ ? laterals_ : last_lateral()) && slice >= first_slice_ &&
                slice <= (closed_ ? slices_ : last_slice());
     }
-    void fade(double vertices) { fade_ = vertices; }  ///< see CarveMap::fade
-    bool fades() const { return fade_ > 0; }
+    void fade_rims(double vertices) { fade_ = vertices; }  ///< see CarveMap::fade_rims
+    bool rims_fade() const { return fade_ > 0; }
     /// Factor for displacements at a point, 0..1. Rises linearly from 0 at lateral rims and open
     /// ends to 1 at `fade` vertices from them. Always 1 without a fade.
     double scale(const openvdb::Vec3d& at) const {

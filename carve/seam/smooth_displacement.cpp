@@ -320,7 +320,7 @@ SmoothDisplacement::Value SmoothDisplacement::at(const Vec3d& at, const CarveSte
             if (!ends_ || (vertex[0] >= carved_.first && vertex[0] <= carved_.last)) return here;
             return 2 * (vertex[0] < carved_.first ? ends_->first : ends_->second) - here;
         };
-        if (!step.fades()) return d();
+        if (!step.rims_fade()) return d();
         Vec3d place;
         for (std::size_t n = 0; n < 3; ++n) place[axes_[n]] = vertex[n];
         return step.scale(place) * d();

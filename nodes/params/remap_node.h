@@ -40,7 +40,7 @@ protected:
     /// @param frame  a number, or the context whose frame it is
     static CarveMap map_of(const Params& params, const auto& io, const auto& frame) {
         auto out = carve_map(*io.lattice, io.seams, params.count, frame, params);
-        if (params.rim == Rim::fade) out.fade(params.rim_fade);
+        if (params.rim == Rim::fade) out.fade_rims(params.rim_fade);
         return out;
     }
     /// @param idle  a parameter that is stated for nothing if frames are carved; empty: none

@@ -54,7 +54,7 @@ bool jumps(const CarveMap& map, const Rim& rim, const Coord& by) {
         });
     };
     for (int axis = 0; axis < 3; ++axis)
-        if (by[axis] != 0 && (axis == rim.axis ? moves_end(axis) : !map.fades())) return true;
+        if (by[axis] != 0 && (axis == rim.axis ? moves_end(axis) : !map.rims_fade())) return true;
     return false;
 }
 

@@ -112,7 +112,7 @@ MetVertices vertices_in(const openvdb::BBoxd& range, const CarveStep& step) {
 }
 
 bool fades_in(const openvdb::BBoxd& range, const CarveStep& step) {
-    if (!step.fades()) return false;
+    if (!step.rims_fade()) return false;
     const int lateral = step.lateral_axis(), slice = step.slice_axis();
     // The scale is concave: its minimum is at a corner.
     for (int corner = 0; corner < 4; ++corner) {

@@ -45,7 +45,7 @@ public:
     /// The displacement, if all points of the box are displaced by the same whole vertices.
     const std::optional<openvdb::Vec3d>& rigid() const { return rigid_; }
     /// Whether a fade scales some displacements down (CarveMap::fade).
-    bool fades() const { return fades_; }
+    bool rims_fade() const { return fades_; }
 
     /// The cell that holds a point.
     /// @param step  index of the step in the map

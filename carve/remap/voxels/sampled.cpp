@@ -72,7 +72,8 @@ public:
     }
 
     bool operator()(const Coord& block, Leaf& out) {
-        if (!block_.move_to(places_.move_to(block)) || (unfaded_ && !block_.fades())) return false;
+        if (!block_.move_to(places_.move_to(block)) || (unfaded_ && !block_.rims_fade()))
+            return false;
         auto sources = places_.reach(block_.least(), block_.most());
         sources.expand(support);
         auto all = sources;

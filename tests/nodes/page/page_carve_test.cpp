@@ -93,7 +93,7 @@ void check(const Shown& shown, const nlohmann::json& seen) {
         const auto count = each["count"].get<std::size_t>();
         if (!carved_by.contains(count)) {
             CarveMap map(shown.what.lattice, shown.sets, shown.frame, count, shown.what.softness);
-            if (shown.what.fade > 0) map.fade(shown.what.fade);
+            if (shown.what.fade > 0) map.fade_rims(shown.what.fade);
             carved_by[count] = page_bytes(
                 page_values(*carve_grid(shown.grid, shown.what.lattice, map, Interpolation::linear),
                             page),

@@ -30,7 +30,7 @@ Lattice box_lattice(const std::array<int, 3>& shape, double spacing = 1,
 
 CarveMap map_of_all(const Lattice& lattice, const std::vector<Seams>& sets, double fade = 0) {
     auto out = map_of(lattice, sets);
-    if (fade > 0) out.fade(fade);
+    if (fade > 0) out.fade_rims(fade);
     return out;
 }
 

@@ -255,7 +255,7 @@ TEST_CASE("a fade takes away and adds evenly less towards the rims, and keeps th
         map_of(lattice, {straight_seams(lattice, Axis::u, kind,
                                         kind == Kind::remove ? std::vector{12, 12, 12, 12}
                                                              : std::vector{12, 13, 14, 15})});
-    map.fade(8);
+    map.fade_rims(8);
     const auto carved = carve(positions, lattice, map);
     std::map<std::array<int, 2>, int>
         cells;  // by v and u, over w in the middle, where only v fades
@@ -292,7 +292,7 @@ TEST_CASE("right beside a rim a fading seam takes and adds no less than its widt
         INFO(width);
         const auto places = [&](Kind kind, double from_bound) {
             auto step = step_of(straight_seams(points_box, Axis::u, kind, {10}));
-            step.fade(4);
+            step.fade_rims(4);
             // An inserted seam doubles what is right before its new entry.
             const double bound = kind == Kind::remove ? 9.5 : 11 - width;
             auto out = places_of(step, Vec3d(bound + from_bound * width, 4 * width, 6));

@@ -140,7 +140,7 @@ private:
 double error(const FloatGrid::ConstPtr& grid, const Lattice& lattice, const Seams& seams,
              double fade, int& moved) {
     auto map = map_of(lattice, {seams});
-    if (fade > 0) map.fade(fade);
+    if (fade > 0) map.fade_rims(fade);
     const auto got = carved(grid, lattice, map);
     const Reference reference(*grid, lattice, seams, fade);
     double out = 0;
@@ -238,7 +238,7 @@ TEST_CASE(
         const auto seams = wavy_seams(lattice, Axis::u, kind, 9, 5, 2);
         auto map = map_of(lattice, {seams});
         const auto cut = carved(grid, lattice, map);
-        map.fade(4);
+        map.fade_rims(4);
         const auto faded = carved(grid, lattice, map);
         const Mapping mapping(lattice, map.reach());
         int inside = 0, rim = 0, between = 0;
@@ -277,7 +277,7 @@ TEST_CASE("staggered components on the voxels travel with their voxel inside a f
     auto map = map_of(lattice, {wavy_seams(lattice, Axis::u, Seams::Kind::remove, 9, 5, 2)});
     const auto cut =
         openvdb::GridBase::grid<VectorGrid>(carve_grid(grid, lattice, map, Interpolation::linear));
-    map.fade(4);
+    map.fade_rims(4);
     const auto faded =
         openvdb::GridBase::grid<VectorGrid>(carve_grid(grid, lattice, map, Interpolation::linear));
     int differ = 0;
@@ -302,7 +302,7 @@ TEST_CASE("a fade does not fold: what rises along the axis still does") {
         auto map = map_of(
             lattice, {n < 6 ? random_seams(random, lattice, lattice.shape, Axis::u, kind, 9, {1})
                             : random_pairs(random, lattice, lattice.shape, Axis::u, kind, 6, {1})});
-        map.fade(6);
+        map.fade_rims(6);
         const auto got = carved(grid, lattice, map);
         for (int j = 0; j < 13; ++j)
             for (int k = 0; k < 13; ++k) {
@@ -329,16 +329,16 @@ TEST_CASE("a fade does not fold: what rises along the axis still does") {
 TEST_CASE("a lattice too thin for a fade is refused") {
     const auto lattice = make_box(Vec3d(0), {40, 16, 13}, 1.0, {0, 1, 2});
     auto map = map_of(lattice, {wavy_seams(lattice, Axis::u, Seams::Kind::remove, 9, 5, 2)});
-    CHECK(failure_of([&] { map.fade(8); }) ==
+    CHECK(failure_of([&] { map.fade_rims(8); }) ==
           "a fade over 8 vertices from either rim needs 17 vertices along v, but the lattice has "
           "16; lower `rim_fade`");
-    CHECK(failure_of([&] { map.fade(6.5); }) ==
+    CHECK(failure_of([&] { map.fade_rims(6.5); }) ==
           "a fade over 6.5 vertices from either rim needs 14 vertices along w, but the lattice has "
           "13; lower `rim_fade`");
-    map.fade(6);
+    map.fade_rims(6);
     const auto image = make_box(Vec3d(0), {40, 16, 1}, 1.0, {0, 1, 2});
     auto flat = map_of(image, {wavy_seams(image, Axis::u, Seams::Kind::remove, 9, 5, 2)});
-    flat.fade(7);
+    flat.fade_rims(7);
     CHECK(flat.steps()[0].scale(Vec3d(3, 7, 0)) == 1);
     CHECK(NodeBench(remap_grids(), "{rim_fade: 3}").faults() ==
           "rim_fade: nothing fades while `rim` is cut; set `rim: fade`, or leave `rim_fade` out\n");
@@ -384,7 +384,7 @@ TEST_CASE("content on both sides of a rim is told, with its share of the rim") {
     CHECK(told(find_tears(with(CoordBBox(Coord(0, 1, 1), Coord(45, 10, 10))), lattice,
                           map_of(lattice, {pairs})))
               .empty());
-    map.fade(4);
+    map.fade_rims(4);
     CHECK(find_tears(with(CoordBBox(Coord(14, -5, 0), Coord(39, 19, 7))), lattice, map).empty());
     CHECK(told(find_tears(with(CoordBBox(Coord(30, 1, 4), Coord(45, 10, 11))), lattice, map))
               .size() == 1);

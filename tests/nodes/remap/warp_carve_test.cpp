@@ -298,7 +298,7 @@ TEST_CASE("a fade takes a warp back to the identity at the rims") {
     const auto grid =
         grid_of({Coord(-3), Coord(42, 22, 20)}, [](const Vec3d& at) { return at.x(); });
     auto map = map_of(lattice, {warped(lattice, evenly(lattice, -8))});
-    map.fade(6);
+    map.fade_rims(6);
     const auto out =
         openvdb::gridConstPtrCast<FloatGrid>(carve_grid(grid, lattice, map, Interpolation::linear));
     CHECK(out->tree().getValue({20, 0, 9}) == 20);
