@@ -99,7 +99,7 @@ struct Greedy : SeamNode {
 
 NodeType seam_greedy() {
     Declare<Greedy> node("seam.greedy",
-                         "Finds seams by the paper's multi-greedy search: fast, typically 5 to 40 "
+                         "Finds seams by the paper's multi-greedy search: fast, typically 5 to 50 "
                          "% above the least energy.");
     return declare_solver(node)
         .param("starts", &Greedy::Params::starts, Unit::none, between(1, 4096),
