@@ -103,10 +103,7 @@ public:
 
     openvdb::BBoxd box(const std::string& name) const {
         openvdb::BBoxd out;
-        for (const auto& file : files_)
-            if (const auto* const grid = part_of(file.at("grids"), name);
-                grid->contains("world_box"))
-                out.expand(box_of(grid->at("world_box")));
+        for (const auto& each : boxes(name)) out.expand(each);
         return out;
     }
 

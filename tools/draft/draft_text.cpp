@@ -25,6 +25,18 @@ namespace {
 constexpr auto new_length = "\"${length}\"";
 }
 
+void DraftText::volume_reader() {
+    comment(
+        "`sim` alone means all grids of the files, which are all carved; `grids` names those "
+        "that nodes take.");
+    reader("vdb.read", "grids");
+}
+
+void DraftText::carve_volume() {
+    carve("carved", "remap.grids", "sim", {});
+    node("out", "vdb.write", {{"source", "carved"}, {"path", "\"${out}\""}});
+}
+
 void DraftText::fog() {
     const bool fire = contents_.matter == Matter::fire,
                both = fire && contents_.flame != contents_.main;
@@ -32,10 +44,7 @@ void DraftText::fog() {
     const auto flame = both ? offer(contents_.flame, "flame", "float") : field;
     beside();
     read_protected();
-    comment(
-        "`sim` alone means all grids of the files, which are all carved; `grids` names those "
-        "that nodes take.");
-    reader("vdb.read", "grids");
+    volume_reader();
     if (contents_.vectors)
         node("length", "field.magnitude", {{"vectors", std::exchange(field, "length")}});
     comment("What must keep its look: edges, by their square and as far as an eye compares.");
@@ -63,8 +72,7 @@ void DraftText::fog() {
     if (remapped) node("seen", "energy.remap", {{"energy", field}});
     solver({{"field", both || remapped ? "seen" : field}});
     nodes_ += "\n";
-    carve("carved", "remap.grids", "sim", {});
-    node("out", "vdb.write", {{"source", "carved"}, {"path", "\"${out}\""}});
+    carve_volume();
     others("sim", "carved", fire ? contents_.flame : contents_.main, !contents_.vectors);
 }
 
@@ -75,10 +83,7 @@ void DraftText::level_set() {
         energy.emplace_back("velocity", offer(contents_.velocity, "velocity", "vector"));
     beside();
     read_protected();
-    comment(
-        "`sim` alone means all grids of the files, which are all carved; `grids` names those "
-        "that nodes take.");
-    reader("vdb.read", "grids");
+    volume_reader();
     comment(contents_.velocity.empty()
                 ? "What must keep its look: waves, drops and edges of the surface."
                 : "What must keep its look: waves and drops of the surface, and currents.");
@@ -87,8 +92,7 @@ void DraftText::level_set() {
     box(surface);
     nodes_ += "\n";
     solver({});
-    carve("carved", "remap.grids", "sim", {});
-    node("out", "vdb.write", {{"source", "carved"}, {"path", "\"${out}\""}});
+    carve_volume();
     others("sim", "carved", contents_.main, false);
 }
 

@@ -104,6 +104,11 @@ private:
 
     // A pipeline for each matter.
 
+    /// The reader of .vdb files.
+    void volume_reader();
+    /// Carves and writes all grids of .vdb files.
+    void carve_volume();
+
     void fog();
     void level_set();
     void particles();

@@ -13,12 +13,9 @@ DraftRequest::Fields draft_preview(const Pipeline& pipeline) {
     const auto& source = pipeline.nodes[link.node];
     const bool picture = source.type->name == "image.read";
     // A reader's further outputs are called as its grids; other nodes give one grid.
-    const auto first = std::ranges::find_if(source.outputs, [&](const OutputSpec& output) {
-        return &output != &source.outputs.front();
-    });
-    const auto grid = picture                         ? "G"
-                      : first != source.outputs.end() ? first->name
-                                                      : source.outputs.at(link.output).name;
+    const auto grid = picture                     ? "G"
+                      : source.outputs.size() > 1 ? source.outputs[1].name
+                                                  : source.outputs.at(link.output).name;
     DraftRequest::Fields out{{"type", "preview.sheet"}};
     // What has lost frames, or got some, has none of before beside it.
     if (carved->retimes()) out.emplace_back("before", carved->name);
