@@ -1,6 +1,9 @@
 #include "carve/base/frame_set.h"
+#include "formats/file/confinement.h"
 #include "formats/file/path_pattern.h"
+#include "graph/file_claims.h"
 #include "graph/pipeline_builder.h"
+#include "graph/types/frame_files.h"
 
 #include <fmt/format.h>
 
