@@ -33,6 +33,35 @@ struct Remap {
     }
 };
 
+/// The first value that is not finite: of the first term that has one, the first voxel.
+class FirstFault {
+public:
+    void note(std::size_t term, const openvdb::Coord& at) {
+        const std::lock_guard lock(mutex_);
+        const std::pair found(term, at);
+        if (!found_ || found < *found_) found_ = found;
+    }
+    const std::optional<std::pair<std::size_t, openvdb::Coord>>& found() const { return found_; }
+
+private:
+    std::mutex mutex_;
+    std::optional<std::pair<std::size_t, openvdb::Coord>> found_;
+};
+
+void sum_leaf(const std::vector<Remap>& remaps, openvdb::FloatTree::LeafNodeType& leaf,
+              FirstFault& fault) {
+    for (std::size_t n = 0; n < remaps.size(); ++n) {
+        const auto& remap = remaps[n];
+        const auto* const from = remap.grid->tree().probeConstLeaf(leaf.origin());
+        const float constant = from ? 0 : remap.grid->tree().getValue(leaf.origin());
+        for (auto voxel = leaf.beginValueOn(); voxel; ++voxel) {
+            const float value = from ? from->getValue(voxel.pos()) : constant;
+            if (!std::isfinite(value)) fault.note(n, voxel.getCoord());
+            voxel.setValue((n == 0 ? 0 : *voxel) + remap(value));
+        }
+    }
+}
+
 }  // namespace
 
 FloatGrid::Ptr combined_energy(const std::vector<EnergyTerm>& terms) {
@@ -46,38 +75,24 @@ FloatGrid::Ptr combined_energy(const std::vector<EnergyTerm>& terms) {
                                                            openvdb::TopologyCopy());
     for (std::size_t n = 1; n < terms.size(); ++n) tree->topologyUnion(terms[n].energy->tree());
 
-    std::mutex mutex;
-    std::optional<std::pair<std::size_t, openvdb::Coord>> lowest;
-    const auto note = [&](std::size_t term, const openvdb::Coord& at) {
-        const std::lock_guard lock(mutex);
-        const std::pair found(term, at);
-        if (!lowest || found < *lowest) lowest = found;
-    };
-    using Leaf = openvdb::FloatTree::LeafNodeType;
-    openvdb::tree::LeafManager<openvdb::FloatTree>(*tree).foreach ([&](Leaf& leaf, std::size_t) {
-        for (std::size_t n = 0; n < remaps.size(); ++n) {
-            const auto& remap = remaps[n];
-            const auto* const from = remap.grid->tree().probeConstLeaf(leaf.origin());
-            const float constant = from ? 0 : remap.grid->tree().getValue(leaf.origin());
-            for (auto voxel = leaf.beginValueOn(); voxel; ++voxel) {
-                const float value = from ? from->getValue(voxel.pos()) : constant;
-                if (!std::isfinite(value)) note(n, voxel.getCoord());
-                voxel.setValue((n == 0 ? 0 : *voxel) + remap(value));
-            }
-        }
-    });
+    FirstFault fault;
+    openvdb::tree::LeafManager<openvdb::FloatTree>(*tree).foreach (
+        [&](openvdb::FloatTree::LeafNodeType& leaf, std::size_t) {
+            sum_leaf(remaps, leaf, fault);
+        });
     auto tile = tree->beginValueOn();
     tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
     for (; tile; ++tile) {
         float sum = 0;
         for (std::size_t n = 0; n < remaps.size(); ++n) {
             const float value = remaps[n].grid->tree().getValue(tile.getCoord());
-            if (!std::isfinite(value)) note(n, tile.getCoord());
+            if (!std::isfinite(value)) fault.note(n, tile.getCoord());
             sum += remaps[n](value);
         }
         tile.setValue(sum);
     }
-    if (lowest) refuse_not_finite(*terms[lowest->first].energy, lowest->second);
+    if (const auto found = fault.found())
+        refuse_not_finite(*terms[found->first].energy, found->second);
 
     auto out = FloatGrid::create(tree);
     out->setTransform(terms[0].energy->transform().copy());

@@ -79,6 +79,21 @@ Rig moved_back(Rig rig, const Vec3d& place) {
     return rig;
 }
 
+/// How many planes a closed rig has.
+/// @param places  of the planes that stand at the spacing
+template <class Places>
+int planes_around(const Path& path, const Places& places, double spacing) {
+    const double rest = (path.at(places.back()) - path.at({})).length() / spacing;
+    const auto out =
+        static_cast<int>(places.size() - 1 + static_cast<std::size_t>(std::lround(rest)));
+    if (out < 3)
+        throw Failure(
+            fmt::format("the closed rig is {:g} around; at a spacing of {:g} that makes "
+                        "fewer than three planes",
+                        path.length(), spacing));
+    return out;
+}
+
 }  // namespace
 
 Resampled resampled(const Rig& rig, double spacing, std::optional<int> planes) {
@@ -94,16 +109,7 @@ Resampled resampled(const Rig& rig, double spacing, std::optional<int> planes) {
     Resampled out;
     out.step = spacing;
     if (rig.closed || (planes && places.size() != static_cast<std::size_t>(*planes))) {
-        if (!planes) {
-            const double rest = (path.at(places.back()) - path.at({})).length() / spacing;
-            planes =
-                static_cast<int>(places.size() - 1 + static_cast<std::size_t>(std::lround(rest)));
-            if (*planes < 3)
-                throw Failure(
-                    fmt::format("the closed rig is {:g} around; at a spacing of {:g} that makes "
-                                "fewer than three planes",
-                                path.length(), spacing));
-        }
+        if (!planes) planes = planes_around(path, places, spacing);
         const auto step = walk.fitting(rig.closed ? *planes : *planes - 1, path.length() / *planes);
         if (!step)
             throw Failure(

@@ -43,6 +43,43 @@ void sort_slabs(const Seams& set, const std::vector<Seams::Seam>& seams, std::si
     std::ranges::stable_sort(slabs, {}, &Doubled::behind);
 }
 
+/// Writes the bounds of the first seams of windows, column by column.
+class BoundsWriter {
+public:
+    BoundsWriter(const Seams& seams, std::size_t count) : seams_(seams), count_(count) {}
+
+    /// @param shift  what lies before the window moves by so many entries
+    /// @return behind what was written
+    std::uint16_t* write(const std::vector<Seams::Seam>& window, bool inserts, int shift,
+                         std::size_t column, std::uint16_t* out) {
+        if (seams_.thick() && inserts) {
+            // A slab's second copy stands behind the slab and the copies of those before it.
+            sort_slabs(seams_, window, count_, column, slabs_);
+            for (int before = 0; const auto& slab : slabs_) {
+                out = std::fill_n(out, slab.vertices,
+                                  static_cast<std::uint16_t>(shift + slab.behind + before));
+                before += slab.vertices;
+            }
+            return out;
+        }
+        sort_entries(window, inserts ? Seams::Kind::insert : Seams::Kind::remove, count_, column,
+                     entries_, sorted_);
+        // n removals come before the n-th removed entry. The n-th new entry stands behind its
+        // original and n other new ones.
+        for (int n = 0; n < static_cast<int>(count_); ++n) {
+            const int entry = sorted_[static_cast<std::size_t>(n)];
+            *out++ = static_cast<std::uint16_t>(shift + (inserts ? entry + n + 1 : entry - n));
+        }
+        return out;
+    }
+
+private:
+    const Seams& seams_;
+    const std::size_t count_;
+    std::vector<std::uint16_t> entries_, sorted_;
+    std::vector<Doubled> slabs_;
+};
+
 }  // namespace
 
 CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count,
@@ -78,34 +115,12 @@ void CarveStep::find_bounds(const Seams& seams, std::size_t t) {
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, columns, 1024),
         [&](const tbb::blocked_range<std::size_t>& range) {
-            std::vector<std::uint16_t> entries, sorted;
-            std::vector<Doubled> slabs;
+            BoundsWriter writer(seams, count_);
             for (auto c = range.begin(); c < range.end(); ++c) {
-                auto* out = bounds_.data() + c * (bounds_.size() / columns);
-                const auto add = [&](const std::vector<Seams::Seam>& window, bool inserts,
-                                     int shift) {
-                    if (thick_ && inserts) {
-                        // A slab's second copy stands behind the slab and the copies of those
-                        // before it.
-                        sort_slabs(seams, window, count_, t * columns + c, slabs);
-                        for (int before = 0; const auto& slab : slabs) {
-                            out = std::fill_n(
-                                out, slab.vertices,
-                                static_cast<std::uint16_t>(shift + slab.behind + before));
-                            before += slab.vertices;
-                        }
-                        return;
-                    }
-                    sort_entries(window, inserts ? Seams::Kind::insert : Seams::Kind::remove,
-                                 count_, t * columns + c, entries, sorted);
-                    // n removals come before the n-th removed entry. The n-th new entry stands
-                    // behind its original and n other new ones.
-                    for (int n = 0; n < count(); ++n)
-                        *out++ = static_cast<std::uint16_t>(
-                            shift + (inserts ? sorted[n] + n + 1 : sorted[n] - n));
-                };
-                add(seams.seams, inserts_, start_);
-                if (paired_) add(seams.pairs, !inserts_, start_ + growth());
+                const auto column = t * columns + c;
+                auto* const out = writer.write(seams.seams, inserts_, start_, column,
+                                               bounds_.data() + c * (bounds_.size() / columns));
+                if (paired_) writer.write(seams.pairs, !inserts_, start_ + growth(), column, out);
             }
         });
     first_moved_ = start_ == origin_ ? high() + 1 : low();

@@ -19,6 +19,39 @@ double rise(double x) {
     return part * part * (3 - 2 * part);
 }
 
+/// Where seams are between four columns.
+class PlacesBetween {
+public:
+    /// @param b, c  from the first column to the next laterally, and to the next slice
+    PlacesBetween(const std::array<const float*, 4>& columns, double b, double c)
+        : columns_(columns), b_(b), c_(c) {}
+
+    double operator()(std::size_t n) const {
+        if (b_ == 0 && c_ == 0) return static_cast<double>(columns_[0][n]);
+        const double low = columns_[0][n] + b_ * (columns_[1][n] - columns_[0][n]),
+                     high = columns_[2][n] + b_ * (columns_[3][n] - columns_[2][n]);
+        return low + c_ * (high - low);
+    }
+    /// The first seam above a place.
+    std::size_t first_above(double at, std::size_t seams) const {
+        std::size_t first = 0;
+        for (auto left = seams; left > 0;) {
+            const auto half = left / 2;
+            if ((*this)(first + half) > at) {
+                left = half;
+            } else {
+                first += half + 1;
+                left -= half + 1;
+            }
+        }
+        return first;
+    }
+
+private:
+    const std::array<const float*, 4> columns_;
+    const double b_, c_;
+};
+
 }  // namespace
 
 Joins::Joins(std::span<const CarveStep* const> steps, std::span<const CarveStep::Span> windows,
@@ -127,27 +160,11 @@ void Joins::sides(const openvdb::Vec3d& at, std::vector<Side>& to) const {
               k = cell(slice, slices_ - (closed_ ? 1 : 2));
     const int next_j = around_ ? (j + 1) % laterals_ : std::min(j + 1, laterals_ - 1),
               next_k = closed_ ? (k + 1) % slices_ : std::min(k + 1, slices_ - 1);
-    const std::array<const float*, 4> columns{column(j, k), column(next_j, k), column(j, next_k),
-                                              column(next_j, next_k)};
-    const double b = std::clamp(lateral - j, 0.0, 1.0), c = std::clamp(slice - k, 0.0, 1.0);
-    const bool on_column = b == 0 && c == 0;
-    const auto place = [&](std::size_t n) {
-        if (on_column) return static_cast<double>(columns[0][n]);
-        const double low = columns[0][n] + b * (columns[1][n] - columns[0][n]),
-                     high = columns[2][n] + b * (columns[3][n] - columns[2][n]);
-        return low + c * (high - low);
-    };
+    const PlacesBetween place(
+        {column(j, k), column(next_j, k), column(j, next_k), column(next_j, next_k)},
+        std::clamp(lateral - j, 0.0, 1.0), std::clamp(slice - k, 0.0, 1.0));
     // Joins far below the point show no content from before them.
-    std::size_t first = 0;
-    for (auto left = seams_; left > 0;) {
-        const auto half = left / 2;
-        if (place(first + half) > u - fade_ / 2) {
-            left = half;
-        } else {
-            first += half + 1;
-            left -= half + 1;
-        }
-    }
+    const auto first = place.first_above(u - fade_ / 2, seams_);
     const auto one = paired_ ? seams_ / 2 : seams_;
     double shown = 1;  // share of the content behind the joins passed so far
     for (auto n = first; n < seams_; ++n) {

@@ -112,6 +112,70 @@ std::vector<CarveStep::Span> where_smoothed(std::span<const CarveStep* const> st
     return out;
 }
 
+/// Smooths columns over frames and along the axis, one after the other.
+class SoftColumns {
+public:
+    /// @param steps        in the frames
+    /// @param along, over  weights along the axis, and over the frames
+    SoftColumns(std::span<const CarveStep* const> steps, std::span<const CarveStep::Span> spans,
+                std::span<const float> along, std::span<const float> over)
+        : steps_(steps),
+          spans_(spans),
+          along_(along),
+          over_(over),
+          reach_(static_cast<int>(along.size() / 2)),
+          first_(spans.front().entries.first),
+          last_(spans.back().entries.last),
+          size_(static_cast<std::size_t>(last_ - first_) + 3),
+          row_(whole_eights(size_ + 7)),
+          frames_(row_ * steps.size()),
+          mean_(row_),
+          beyond_(row_ + along.size()),
+          smoothed_(row_) {
+        for (std::size_t n = 0; n < steps.size(); ++n)
+            of_frames_.push_back(frames_.data() + n * row_);
+        for (std::size_t n = 0; n < along.size(); ++n) shifted_.push_back(beyond_.data() + n);
+    }
+
+    /// @param to  from the entry before the first span to the one behind the last
+    void write(int lateral, int slice, float* to) {
+        for (std::size_t n = 0; n < steps_.size(); ++n)
+            write_displacements(*steps_[n], steps_[n]->bounds(lateral, slice), {first_, last_},
+                                frames_.data() + n * row_ + 1);
+        if (steps_.size() > 1) weighted_mean(over_, of_frames_.data(), size_, mean_.data());
+        auto& now = steps_.size() == 1 ? frames_ : mean_;
+        now.front() = static_cast<float>(spans_.front().before);
+        now[size_ - 1] = static_cast<float>(spans_.back().behind);
+        std::copy_n(now.data(), size_, to);
+        for (const auto& span : spans_) smooth(now, span, to);
+    }
+
+private:
+    void smooth(const std::vector<float>& now, const CarveStep::Span& span, float* to) {
+        const Mirrored mirrored(now, first_ - 1);
+        const auto& [from, last] = span.entries;
+        const int low = from - reach_;
+        const auto length = static_cast<std::size_t>(last - from) + 1,
+                   place = static_cast<std::size_t>(from - first_) + 1;
+        for (int e = low; e < from; ++e)
+            beyond_[static_cast<std::size_t>(e - low)] = mirrored(e, span);
+        std::copy_n(now.data() + place, length, beyond_.data() + reach_);
+        for (int e = last + 1; e <= last + reach_; ++e)
+            beyond_[static_cast<std::size_t>(e - low)] = mirrored(e, span);
+        weighted_mean(along_, shifted_.data(), length, smoothed_.data());
+        std::copy_n(smoothed_.data(), length, to + place);
+    }
+
+    const std::span<const CarveStep* const> steps_;
+    const std::span<const CarveStep::Span> spans_;
+    const std::span<const float> along_, over_;
+    const int reach_, first_, last_;
+    const std::size_t size_, row_;
+    /// Rows of displacements: in the frames, over time, with what lies beyond a span, smoothed.
+    std::vector<float> frames_, mean_, beyond_, smoothed_;
+    std::vector<const float*> of_frames_, shifted_;
+};
+
 }  // namespace
 
 SmoothDisplacement::SmoothDisplacement(const CarveStep& step, int first, int last)
@@ -185,50 +249,18 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
     const auto along = tent(softness.vertices), over = tent(softness.frames);
     const int reach = static_cast<int>(along.size() / 2);
     const auto spans = where_smoothed(steps, windows, reach);
-    const int first = spans.front().entries.first, last = spans.back().entries.last;
-    SmoothDisplacement out(step, first - 1, last + 1);
+    SmoothDisplacement out(step, spans.front().entries.first - 1, spans.back().entries.last + 1);
     out.ends_ = {spans.front().before, spans.back().behind};
-    const auto laterals = static_cast<std::size_t>(out.laterals_),
-               size = static_cast<std::size_t>(last - first) + 3;
-    const auto smooth = [&](const tbb::blocked_range<std::size_t>& range) {
-        // Rows of displacements: in the frames, over time, with what lies beyond a span, smoothed.
-        const auto row = whole_eights(size + 7);
-        std::vector<float> frames(row * steps.size()), mean(row), beyond(row + along.size()),
-            smoothed(row);
-        auto& now = steps.size() == 1 ? frames : mean;
-        std::vector<const float*> of_frames, shifted;
-        for (std::size_t n = 0; n < steps.size(); ++n) of_frames.push_back(frames.data() + n * row);
-        for (std::size_t n = 0; n < along.size(); ++n) shifted.push_back(beyond.data() + n);
-        for (auto column = range.begin(); column < range.end(); ++column) {
-            const int lateral = step.first_lateral() + static_cast<int>(column % laterals),
-                      slice = step.first_slice() + static_cast<int>(column / laterals);
-            for (std::size_t n = 0; n < steps.size(); ++n)
-                write_displacements(*steps[n], steps[n]->bounds(lateral, slice), {first, last},
-                                    frames.data() + n * row + 1);
-            if (steps.size() > 1) weighted_mean(over, of_frames.data(), size, mean.data());
-            now.front() = static_cast<float>(out.ends_->first);
-            now[size - 1] = static_cast<float>(out.ends_->second);
-            auto* const to = out.entries() + column * out.row_;
-            std::copy_n(now.data(), size, to);
-            const Mirrored mirrored(now, first - 1);
-            for (const auto& span : spans) {
-                const int low = span.entries.first - reach, high = span.entries.last + reach;
-                const auto length =
-                    static_cast<std::size_t>(span.entries.last - span.entries.first) + 1;
-                for (int e = low; e < span.entries.first; ++e)
-                    beyond[static_cast<std::size_t>(e - low)] = mirrored(e, span);
-                std::copy_n(now.data() + (span.entries.first - first + 1), length,
-                            beyond.data() + reach);
-                for (int e = span.entries.last + 1; e <= high; ++e)
-                    beyond[static_cast<std::size_t>(e - low)] = mirrored(e, span);
-                weighted_mean(along, shifted.data(), length, smoothed.data());
-                std::copy_n(smoothed.data(), length, to + (span.entries.first - first + 1));
-            }
-        }
-    };
+    const auto laterals = static_cast<std::size_t>(out.laterals_);
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(out.slices_), 64),
-        smooth);
+        [&](const tbb::blocked_range<std::size_t>& range) {
+            SoftColumns columns(steps, spans, along, over);
+            for (auto column = range.begin(); column < range.end(); ++column)
+                columns.write(step.first_lateral() + static_cast<int>(column % laterals),
+                              step.first_slice() + static_cast<int>(column / laterals),
+                              out.entries() + column * out.row_);
+        });
     if (reach > 0) {
         const auto across = tent(softness.across.value_or(softness.vertices));
         out.smooth_across(across, false);

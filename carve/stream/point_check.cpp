@@ -75,6 +75,20 @@ private:
     std::uint64_t used_ = 0, size_ = 0;
 };
 
+void check_metadata(TreeBytes& in) {
+    for (auto left = in.number<std::uint32_t>(); left > 0; --left) {
+        const auto name = in.text(), type = in.text(), value = in.text();
+        if (!openvdb::Metadata::isRegisteredType(type)) continue;
+        const auto metadata = openvdb::Metadata::createMetadata(type);
+        const auto size = static_cast<std::uint32_t>(value.size());
+        std::istringstream bytes(std::string(reinterpret_cast<const char*>(&size), sizeof size) +
+                                 value);
+        metadata->read(bytes);
+        in.require(metadata->size() == size,
+                   fmt::format("metadata '{}' is not as long as its type", name));
+    }
+}
+
 /// Names and types of the attributes of a leaf, or of all leaves. @return bytes of a value of each
 std::vector<std::uint64_t> descriptor(TreeBytes& in) {
     const auto count = in.number<std::uint64_t>();
@@ -106,17 +120,7 @@ std::vector<std::uint64_t> descriptor(TreeBytes& in) {
         in.require(in.number<std::uint64_t>() < groups * groups_in_attribute,
                    "a group of points has no attribute");
     }
-    for (auto left = in.number<std::uint32_t>(); left > 0; --left) {
-        const auto name = in.text(), type = in.text(), value = in.text();
-        if (!openvdb::Metadata::isRegisteredType(type)) continue;
-        const auto metadata = openvdb::Metadata::createMetadata(type);
-        const auto size = static_cast<std::uint32_t>(value.size());
-        std::istringstream bytes(std::string(reinterpret_cast<const char*>(&size), sizeof size) +
-                                 value);
-        metadata->read(bytes);
-        in.require(metadata->size() == size,
-                   fmt::format("metadata '{}' is not as long as its type", name));
-    }
+    check_metadata(in);
     return out;
 }
 
@@ -143,6 +147,32 @@ Array array_of(TreeBytes& in, std::uint64_t value_bytes) {
     out.bytes = values * value_bytes;
     in.require(out.paged ? out.stored == out.bytes : out.stored <= in.left(),
                "an attribute has a wrong length");
+    return out;
+}
+
+/// Lengths of all attributes, `[leaf][attribute]`.
+/// @param attributes  of each leaf
+std::vector<std::vector<Array>> arrays_of(TreeBytes& in, std::size_t leaves,
+                                          std::size_t attributes) {
+    std::vector<std::vector<Array>> out;
+    std::optional<std::vector<std::uint64_t>> of_all;
+    for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
+        std::vector<std::uint64_t> of_leaf;
+        if (!of_all) {
+            constexpr std::uint8_t for_all = 1, has_more = 2;
+            const auto header = in.number<std::uint8_t>();
+            in.require(header <= (for_all | has_more),
+                       "its attributes are stored in an unknown way");
+            of_leaf = descriptor(in);
+            if (header & for_all) of_all = of_leaf;
+            if (header & has_more) in.skip(in.number<std::uint64_t>());
+        }
+        auto& here = out.emplace_back();
+        for (const auto value_bytes : of_all ? *of_all : of_leaf)
+            here.push_back(array_of(in, value_bytes));
+        in.require(here.size() == attributes,
+                   "a leaf has another number of attributes than the tree");
+    }
     return out;
 }
 
@@ -174,26 +204,7 @@ void check_points(TreeBytes& in, const std::vector<std::span<const char>>& leave
     const std::size_t attributes = (passes - passes_besides) / 2U;
     in.skip(leaves.size() * sizeof(std::uint16_t));
 
-    std::vector<std::vector<Array>> arrays;  // [leaf][attribute]
-    std::optional<std::vector<std::uint64_t>> of_all;
-    for (std::size_t leaf = 0; leaf < leaves.size(); ++leaf) {
-        std::vector<std::uint64_t> of_leaf;
-        if (!of_all) {
-            constexpr std::uint8_t for_all = 1, has_more = 2;
-            const auto header = in.number<std::uint8_t>();
-            in.require(header <= (for_all | has_more),
-                       "its attributes are stored in an unknown way");
-            of_leaf = descriptor(in);
-            if (header & for_all) of_all = of_leaf;
-            if (header & has_more) in.skip(in.number<std::uint64_t>());
-        }
-        auto& here = arrays.emplace_back();
-        for (const auto value_bytes : of_all ? *of_all : of_leaf)
-            here.push_back(array_of(in, value_bytes));
-        in.require(here.size() == attributes,
-                   "a leaf has another number of attributes than the tree");
-    }
-
+    const auto arrays = arrays_of(in, leaves.size(), attributes);
     std::vector<Pages> pages(attributes);
     for (std::size_t n = 0; n < attributes; ++n) {
         for (const auto& leaf : arrays)

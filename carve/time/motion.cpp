@@ -169,30 +169,14 @@ public:
             half.correct();
             take_from(half);
         }
-        const auto nothing = Numbers(box_.count());
         for (int round = 0; round < rounds; ++round) {
-            Vectors rest{nothing, nothing, nothing};
-            std::array<Numbers, 6> tensor{nothing, nothing, nothing, nothing, nothing, nothing};
-            auto middle = nothing, change = nothing;
-            {
-                const auto [from, to] = halfway();
-                for (std::size_t n = 0; n < middle.size(); ++n) {
-                    middle[n] = 0.5f * (from[n] + to[n]);
-                    change[n] = to[n] - from[n];
-                }
-            }
-            box_.each([&](std::size_t at, int x, int y, int z) {
-                const auto slope = slopes(middle, at, {x, y, z});
-                std::size_t n = 0;
-                for (std::size_t i = 0; i < 3; ++i) {
-                    rest[i][at] = slope[i] * change[at];
-                    for (std::size_t j = i; j < 3; ++j) tensor[n++][at] = slope[i] * slope[j];
-                }
-            });
+            auto left = differences();
+            auto& rest = left.rest;
+            auto& tensor = left.tensor;
             for (auto& each : rest) smooth(each, box_, width);
             for (auto& each : tensor) smooth(each, box_, width);
             float largest = 0;
-            for (std::size_t n = 0; n < middle.size(); ++n)
+            for (std::size_t n = 0; n < box_.count(); ++n)
                 largest = std::max(largest, tensor[0][n] + tensor[3][n] + tensor[5][n]);
             if (largest < 1e-30f) return;  // there is no structure to follow
             box_.each([&](std::size_t at, int, int, int) {
@@ -208,6 +192,34 @@ public:
             });
             for (auto& each : displacement_) smooth(each, box_, 0.5f * width);
         }
+    }
+
+    /// What both frames show of the displacement that is left.
+    struct Differences {
+        Vectors rest;                   ///< slope times change
+        std::array<Numbers, 6> tensor;  ///< products of slopes
+    };
+    Differences differences() const {
+        const auto nothing = Numbers(box_.count());
+        Differences out{{nothing, nothing, nothing},
+                        {nothing, nothing, nothing, nothing, nothing, nothing}};
+        auto middle = nothing, change = nothing;
+        {
+            const auto [from, to] = halfway();
+            for (std::size_t n = 0; n < middle.size(); ++n) {
+                middle[n] = 0.5f * (from[n] + to[n]);
+                change[n] = to[n] - from[n];
+            }
+        }
+        box_.each([&](std::size_t at, int x, int y, int z) {
+            const auto slope = slopes(middle, at, {x, y, z});
+            std::size_t n = 0;
+            for (std::size_t i = 0; i < 3; ++i) {
+                out.rest[i][at] = slope[i] * change[at];
+                for (std::size_t j = i; j < 3; ++j) out.tensor[n++][at] = slope[i] * slope[j];
+            }
+        });
+        return out;
     }
 
     /// The same at half size: means of cubes of eight voxels.

@@ -54,6 +54,40 @@ std::vector<float> weights_of(int fade) {
     return out;
 }
 
+/// Calls `visit(vertex)` for all vertices, in parallel.
+template <class Visit>
+void each_vertex(std::size_t vertices, const Visit& visit) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 4096),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                          for (auto c = range.begin(); c < range.end(); ++c) visit(c);
+                      });
+}
+
+/// Of each place in the source, how many vertices show it now, and whether any does soon.
+struct ShownPlaces {
+    std::vector<std::size_t> now;
+    std::vector<char> soon;
+};
+
+/// @param place_at  what a vertex shows in so many frames
+template <class PlaceAt>
+ShownPlaces shown_places(std::size_t vertices, std::size_t places, int fade,
+                         const PlaceAt& place_at) {
+    ShownPlaces out{std::vector<std::size_t>(places), std::vector<char>(places)};
+    tbb::enumerable_thread_specific<ShownPlaces> counts(out);
+    each_vertex(vertices, [&](std::size_t c) {
+        auto& count = counts.local();
+        ++count.now[place_at(c, 0)];
+        for (int m = 1 - fade; m < fade; ++m) count.soon[place_at(c, m)] = 1;
+    });
+    for (const auto& count : counts)
+        for (std::size_t place = 0; place < places; ++place) {
+            out.now[place] += count.now[place];
+            out.soon[place] |= count.soon[place];
+        }
+    return out;
+}
+
 }  // namespace
 
 TimeMap::TimeMap(const Seams& seams, const Lattice& lattice, std::size_t count,
@@ -119,47 +153,23 @@ std::vector<TimeMap::Seen> TimeMap::seen(int n) const {
     const int fade = fade_at(n);
     const auto weights = weights_of(fade);
     const auto places = static_cast<std::size_t>(source_frames_);
-    // For each source frame: the number of vertices that show it now, and whether any vertex shows
-    // it within the fade.
-    struct Shown {
-        std::vector<std::size_t> now;
-        std::vector<char> soon;
-    };
     const auto place_at = [&](std::size_t vertex, int m) {
         return static_cast<std::size_t>(source_of(vertex, n, m));
     };
-    tbb::enumerable_thread_specific<Shown> counts([&] {
-        return Shown{std::vector<std::size_t>(places), std::vector<char>(places)};
-    });
-    const auto each = [&](const auto& visit) {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices(), 4096),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (auto c = range.begin(); c < range.end(); ++c) visit(c);
-                          });
-    };
-    each([&](std::size_t c) {
-        auto& count = counts.local();
-        ++count.now[place_at(c, 0)];
-        for (int m = 1 - fade; m < fade; ++m) count.soon[place_at(c, m)] = 1;
-    });
+    const auto shown = shown_places(vertices(), places, fade, place_at);
     std::vector<Seen> out;
     std::vector<std::size_t> index(places);
     std::size_t before = 0;
     for (std::size_t place = 0; place < places; ++place) {
-        std::size_t now = 0;
-        bool soon = false;
-        for (const auto& count : counts) {
-            now += count.now[place];
-            soon = soon || count.soon[place] != 0;
-        }
-        if (!soon) continue;
+        const auto now = shown.now[place];
+        if (!shown.soon[place]) continue;
         index[place] = out.size();
         out.push_back({static_cast<int>(place), std::vector<float>(vertices()), 0});
         // The median of the source frames that the vertices show.
         if (before <= vertices() / 2 && before + now > vertices() / 2) out.back().outside = 1;
         before += now;
     }
-    each([&](std::size_t c) {
+    each_vertex(vertices(), [&](std::size_t c) {
         for (int m = 1 - fade; m < fade; ++m)
             out[index[place_at(c, m)]].share[c] += weights[static_cast<std::size_t>(m + fade - 1)];
     });

@@ -45,6 +45,27 @@ std::uint16_t kept_away(double price, std::size_t column, int entry, int thickne
     return encode_energy(static_cast<float>(std::min(price, most)));
 }
 
+/// Writes the codes of a column's slabs: those of their marked entries, or their prices.
+/// @param codes     of the entries
+/// @param price_of  code of a slab without a marked entry
+template <class PriceOf>
+void write_slabs(const std::uint16_t* codes, int thickness, std::span<std::uint16_t> to,
+                 const PriceOf& price_of) {
+    // The last marked entries up to the slab's last.
+    int blocked = -1, attracted = -1;
+    const auto mark = [&](int entry) {
+        if (codes[entry] == protected_code) blocked = entry;
+        if (codes[entry] == attracted_code) attracted = entry;
+    };
+    for (int entry = 0; entry < thickness - 1; ++entry) mark(entry);
+    for (int entry = 0; entry < static_cast<int>(to.size()); ++entry) {
+        mark(entry + thickness - 1);
+        to[static_cast<std::size_t>(entry)] = blocked >= entry     ? protected_code
+                                              : attracted >= entry ? attracted_code
+                                                                   : price_of(entry);
+    }
+}
+
 /// Averages rows of numbers with the rows before and behind.
 /// @param count    of rows in a line
 /// @param stride   from a row to the next
@@ -129,6 +150,36 @@ public:
             energies_[n + 1] = energies_[n] + (codes[n] < protected_code ? energy_[n] : 0);
     }
 
+    /// What slabs with content cost.
+    struct Means {
+        Sum join, energy;
+        Means& operator+=(const Means& other) {
+            join += other.join;
+            energy += other.energy;
+            return *this;
+        }
+    };
+    static Means means(const SlabPrices& prices, const EnergyVolume& volume, int thickness) {
+        const int width = volume.width();
+        return tbb::parallel_deterministic_reduce(
+            tbb::blocked_range<std::size_t>(0, volume.columns_per_frame() * volume.frames(), 1024),
+            Means{},
+            [&](const tbb::blocked_range<std::size_t>& range, Means out) {
+                Column column(prices, width, thickness);
+                for (auto c = range.begin(); c < range.end(); ++c) {
+                    column.read(volume.field(c), {volume.codes(0) + c * volume.stride(),
+                                                  static_cast<std::size_t>(width)});
+                    for (int entry = 0; entry + thickness <= width; ++entry) {
+                        if (!column.content(entry)) continue;
+                        out.join += Sum{column.join(entry), 1};
+                        out.energy += Sum{column.energy(entry), 1};
+                    }
+                }
+                return out;
+            },
+            [](Means a, const Means& b) { return a += b; });
+    }
+
     // For the slab that begins at an entry:
     bool content(int entry) const {
         return over(contents_, entry - half_, entry + thickness_ + half_) > 0;
@@ -162,7 +213,6 @@ private:
 
 SlabPrices::SlabPrices(const EnergyVolume& volume, int thickness, const SlabWeights& weights)
     : weights_(weights) {
-    const int width = volume.width();
     const auto each = [&](const FieldRun& field, const auto& visit) {
         for (int entry = field.first; entry < field.end; ++entry)
             visit(entry, std::abs(field.value(entry)));
@@ -181,30 +231,7 @@ SlabPrices::SlabPrices(const EnergyVolume& volume, int thickness, const SlabWeig
         });
     });
     level_ = level_of_mean * static_cast<float>(field.mean());
-    const auto columns = volume.columns_per_frame() * volume.frames();
-    struct Means {
-        Sum join, energy;
-    };
-    const auto means = tbb::parallel_deterministic_reduce(
-        tbb::blocked_range<std::size_t>(0, columns, 1024), Means{},
-        [&](const tbb::blocked_range<std::size_t>& range, Means sum) {
-            Column column(*this, width, thickness);
-            for (auto c = range.begin(); c < range.end(); ++c) {
-                column.read(volume.field(c), {volume.codes(0) + c * volume.stride(),
-                                              static_cast<std::size_t>(width)});
-                for (int entry = 0; entry + thickness <= width; ++entry) {
-                    if (!column.content(entry)) continue;
-                    sum.join += Sum{column.join(entry), 1};
-                    sum.energy += Sum{column.energy(entry), 1};
-                }
-            }
-            return sum;
-        },
-        [](Means a, const Means& b) {
-            a.join += b.join;
-            a.energy += b.energy;
-            return a;
-        });
+    const auto means = Column::means(*this, volume, thickness);
     join_ = means.join.mean();
     energy_ = means.energy.mean();
 }
@@ -276,24 +303,14 @@ EnergyVolume SlabPrices::of(const EnergyVolume& volume, int thickness, float emp
                 for (auto c = range.begin(); c < range.end(); ++c) {
                     const auto* const codes = volume.codes(t) + c * volume.stride();
                     auto* const to = out.codes(t).data() + c * out.stride();
-                    // The last marked entries up to the slab's last.
-                    int blocked = -1, attracted = -1;
-                    const auto mark = [&](int entry) {
-                        if (codes[entry] == protected_code) blocked = entry;
-                        if (codes[entry] == attracted_code) attracted = entry;
-                    };
-                    for (int entry = 0; entry < thickness - 1; ++entry) mark(entry);
-                    for (int entry = 0; entry < slabs; ++entry) {
-                        mark(entry + thickness - 1);
-                        if (blocked >= entry || attracted >= entry) {
-                            to[entry] = blocked >= entry ? protected_code : attracted_code;
-                            continue;
-                        }
-                        const auto at =
-                            c * static_cast<std::size_t>(slabs) + static_cast<std::size_t>(entry);
-                        const double price = (frames[0][at] + frames[1][at] + frames[2][at]) / 3.0;
-                        to[entry] = kept_away(price, t * columns + c, entry, thickness, all_taken);
-                    }
+                    write_slabs(
+                        codes, thickness, {to, static_cast<std::size_t>(slabs)}, [&](int entry) {
+                            const auto at = c * static_cast<std::size_t>(slabs) +
+                                            static_cast<std::size_t>(entry);
+                            const double price =
+                                (frames[0][at] + frames[1][at] + frames[2][at]) / 3.0;
+                            return kept_away(price, t * columns + c, entry, thickness, all_taken);
+                        });
                 }
             });
         frames[0] = std::move(frames[1]);

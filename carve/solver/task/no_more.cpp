@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -25,6 +26,23 @@ openvdb::Vec3d original_vertex(const std::vector<CarveStep>& steps, openvdb::Vec
     return at;
 }
 
+/// where_no_more() of seams of frames.
+/// @param vertex  without such a frame
+std::string where_no_frame(const NoSeam& none, const SeamTask::Part& part,
+                           const std::array<int, 3>& vertex, const CarvedSpace& space) {
+    const auto [i, j, k] = vertex;
+    const auto at = space.lattices().front()->position(openvdb::Vec3d(i, j, k));
+    const auto shown =
+        fmt::format("vertex ({}, {}, {}), at ({:g}, {:g}, {:g}),", i, j, k, at.x(), at.y(), at.z());
+    return fmt::format(
+        "{}window [{}, {}]: {}", part.prefix(), part.window.first, part.window.last,
+        none.at.free == 0
+            ? fmt::format("all frames of {} are protected", shown)
+            : fmt::format("of the {} frames left of {} {} {} unprotected, but out of reach "
+                          "from the vertices beside",
+                          none.at.vertices, shown, none.at.free, none.at.free == 1 ? "is" : "are"));
+}
+
 }  // namespace
 
 std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamTask::Part& part,
@@ -36,20 +54,8 @@ std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamTa
     const int c = static_cast<int>(none.at.column % per_frame), lateral = c % laterals,
               k = c / laterals;
     const auto& window = part.window;
-    if (task.axis == Axis::t) {
-        const auto at =
-            space.lattices().front()->position(openvdb::Vec3d(static_cast<double>(t), lateral, k));
-        const auto vertex = fmt::format("vertex ({}, {}, {}), at ({:g}, {:g}, {:g}),", t, lateral,
-                                        k, at.x(), at.y(), at.z());
-        return fmt::format(
-            "{}window [{}, {}]: {}", part.prefix(), window.first, window.last,
-            none.at.free == 0
-                ? fmt::format("all frames of {} are protected", vertex)
-                : fmt::format("of the {} frames left of {} {} {} unprotected, but out of reach "
-                              "from the vertices beside",
-                              none.at.vertices, vertex, none.at.free,
-                              none.at.free == 1 ? "is" : "are"));
-    }
+    if (task.axis == Axis::t)
+        return where_no_frame(none, part, {static_cast<int>(t), lateral, k}, space);
     const auto& lattice = *space.lattices()[space.place(t)];
     const auto before = space.carve_map(t);
     const auto world = [&](int entry) {

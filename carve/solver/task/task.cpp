@@ -67,6 +67,38 @@ void require_vertex_left(const SolverParams& params, int size, bool carved) {
                               size - 1));
 }
 
+/// The windows of a task.
+struct WindowOfTask {
+    const SolverParams& params;
+    int first;  ///< lowest vertex that may be carved
+    bool carved;
+
+    /// A part of the task, with its window.
+    /// @param task  with `best_effort`, gets fewer seams if the window has no room for more
+    SeamTask::Part part(SeamTask::Part part, const Auto<VertexRange>& stated,
+                        SeamTask& task) const {
+        const int size = task.size;
+        auto& window = part.window;
+        window = window_of(part.prefix() + "window", stated, params.axis, first, size, carved);
+        // One vertex stays.
+        const int room = std::min(room_in(part.kind, window, size, task.finest),
+                                  part.kind == Seams::Kind::remove ? size - 1 : size);
+        if (params.best_effort && room < task.count) {
+            task.count = room;
+            task.limit = fmt::format("{}window [{}, {}]: it has room to {} {}", part.prefix(),
+                                     window.first, window.last, to_text(part.kind), room);
+        }
+        const bool inner = window.first == 1 && window.last == size - 2;
+        if (params.axis == Axis::t && inner && task.count > room)
+            throw Failure(fmt::format(
+                "{} seams do not fit: window [{}, {}] has room to {} {}, since the first and the "
+                "last frame stay; ask for fewer",
+                task.count, window.first, window.last, to_text(part.kind), room));
+        require_room(part.kind, task.count, window, size, task.finest);
+        return part;
+    }
+};
+
 }  // namespace
 
 SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int finest) {
@@ -92,35 +124,15 @@ SeamTask task_of(const SolverParams& params, const LatticeForm& form, bool carve
         throw Failure(fmt::format("thickness {} is wider than the {}, which has {}; lower it",
                                   thickness, whole_of(params.axis),
                                   vertices_along(params.axis, size, carved)));
-    const auto part = [&](bool pair, Seams::Kind kind, const Auto<VertexRange>& window,
-                          bool static_) {
-        SeamTask::Part part{pair, kind, {}, static_};
-        const bool at_rig = form.around && params.axis != Axis::t;
-        part.window =
-            window_of(part.prefix() + "window", window, params.axis, at_rig ? 1 : 0, size, carved);
-        // One vertex stays.
-        const int room = std::min(room_in(kind, part.window, size, finest),
-                                  kind == Seams::Kind::remove ? size - 1 : size);
-        if (params.best_effort && room < out.count) {
-            out.count = room;
-            out.limit = fmt::format("{}window [{}, {}]: it has room to {} {}", part.prefix(),
-                                    part.window.first, part.window.last, to_text(kind), room);
-        }
-        const bool inner = part.window.first == 1 && part.window.last == size - 2;
-        if (params.axis == Axis::t && inner && out.count > room)
-            throw Failure(fmt::format(
-                "{} seams do not fit: window [{}, {}] has room to {} {}, since the first and the "
-                "last frame stay; ask for fewer",
-                out.count, part.window.first, part.window.last, to_text(kind), room));
-        require_room(kind, out.count, part.window, size, finest);
-        return part;
-    };
-    out.seams = part(false, kind_asked(count), params.window, params.static_);
+    const bool at_rig = form.around && params.axis != Axis::t;
+    const WindowOfTask window{params, at_rig ? 1 : 0, carved};
+    out.seams = window.part({false, kind_asked(count), {}, params.static_}, params.window, out);
     if (params.anchor.vertex > size - 1)
         throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}",
                                   params.anchor.vertex, vertices_along(params.axis, size, carved)));
     if (params.pair_window) {
-        out.pairs = part(true, opposite(out.seams.kind), params.pair_window, params.pair_static);
+        out.pairs = window.part({true, opposite(out.seams.kind), {}, params.pair_static},
+                                params.pair_window, out);
         if (const auto fault = pair_fault(out.seams.window, *params.window, out.pairs->window,
                                           *params.pair_window, false))
             throw Failure(*fault);
