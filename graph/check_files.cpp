@@ -48,6 +48,41 @@ struct AllClaims {
     }
 };
 
+/// What nodes write beside another one.
+struct OtherOutputs {
+    std::vector<std::string> all;
+    bool found = false;  ///< one is the same, or may be
+};
+
+/// @param same  whether a path is that which is looked for
+OtherOutputs outputs_beside(const std::vector<UnfinishedNode>& nodes, const UnfinishedNode& reader,
+                            const auto& same) {
+    OtherOutputs out;
+    for (const auto& writer : nodes)
+        for (const auto& spec : writer.node.type->params) {
+            if (&writer == &reader || spec.shape.kind != Shape::Kind::output_path) continue;
+            if (!writer.node.params) {
+                out.found = true;
+            } else if (const auto& path = spec.path(writer.node.params.get());
+                       !path.text().empty()) {
+                out.found = out.found || same(path);
+                out.all.push_back(path.text());
+            }
+        }
+    return out;
+}
+
+/// The first file that the program may not open, and why; empty: it may open all.
+std::string refused(const PathPattern& files, const FrameSet& frames) {
+    for (const auto frame : frames.frames()) {
+        const auto file = files.at(frame);
+        if (const auto refusal = Confinement::of_program().refusal(file); !refusal.empty())
+            return file + " " + refusal;
+        if (!files.per_frame()) break;
+    }
+    return {};
+}
+
 }  // namespace
 
 void PipelineBuilder::check_paths(const FrameSet& frames) {
@@ -129,50 +164,36 @@ void PipelineBuilder::check_written(const FrameSet& frames) {
         };
         return std::pair(file(frames.frames().front()), file(frames.frames().back()));
     };
+    const auto require_writer = [&](const UnfinishedNode& reader, const ParamSpec& spec,
+                                    const std::string& name, const PathPattern& path) {
+        const auto others = outputs_beside(nodes_, reader, [&](const PathPattern& output) {
+            return files_of(output) == files_of(path);
+        });
+        // What nodes with faults write is not known.
+        if (others.found || nodes_.size() < known_.size()) return;
+        add(problems_, reader.value->find(spec.name)->value.find(name)->value.mark,
+            fmt::format("{} parameter '{}': no other node writes {}{}", reader.node.type->name,
+                        spec.name, path.text(),
+                        others.all.empty() ? "" : did_you_mean(path.text(), others.all)));
+    };
     for (const auto& reader : nodes_)
         for (const auto& spec : reader.node.type->params) {
             if (!spec.written || !reader.node.params) continue;
-            for (const auto& [name, path] : spec.written(reader.node.params.get())) {
-                // The files of nodes with faults are unknown.
-                bool found = nodes_.size() < known_.size();
-                std::vector<std::string> all;
-                for (const auto& writer : nodes_)
-                    for (const auto& other : writer.node.type->params) {
-                        if (&writer == &reader || !other.writes_file()) continue;
-                        if (!writer.node.params) found = true;
-                        else if (const auto& output = other.path(writer.node.params.get());
-                                 !output.text().empty())
-                            found = found || files_of(output) == files_of(path),
-                            all.push_back(output.text());
-                    }
-                const auto& files = reader.value->find(spec.name)->value;
-                if (!found)
-                    add(problems_, files.find(name)->value.mark,
-                        fmt::format("{} parameter '{}': no other node writes {}{}",
-                                    reader.node.type->name, spec.name, path.text(),
-                                    all.empty() ? "" : did_you_mean(path.text(), all)));
-            }
+            for (const auto& [name, path] : spec.written(reader.node.params.get()))
+                require_writer(reader, spec, name, path);
         }
 }
 
 void PipelineBuilder::check_confinement(const FrameSet& frames) {
-    const auto& confinement = Confinement::of_program();
-    if (!confinement.on()) return;
+    if (!Confinement::of_program().on()) return;
     for (const auto& [node, value, references, unsure] : nodes_)
         for (const auto& spec : node.type->params) {
             const bool path = spec.reads_file() || spec.writes_file();
             const auto* const field = value->find(spec.name);
             if (!path || !field || !node.params) continue;
-            const auto& files = spec.path(node.params.get());
-            for (const auto frame : frames.frames()) {
-                const auto file = files.at(frame);
-                const auto refusal = confinement.refusal(file);
-                if (!refusal.empty())
-                    add(problems_, field->value.mark,
-                        fmt::format("{} parameter '{}': {} {}", node.type->name, spec.name, file,
-                                    refusal));
-                if (!refusal.empty() || !files.per_frame()) break;
-            }
+            if (const auto fault = refused(spec.path(node.params.get()), frames); !fault.empty())
+                add(problems_, field->value.mark,
+                    fmt::format("{} parameter '{}': {}", node.type->name, spec.name, fault));
         }
 }
 

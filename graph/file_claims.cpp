@@ -31,9 +31,8 @@ public:
         const auto compared = could_meet(targets);
         std::unordered_map<std::string, std::size_t> first;
         for (std::size_t n = 0; n < claims_.size(); ++n) {
-            if (!claims_[n].writes)
-                if (const auto found = targets.find(n); found != targets.end())
-                    for (const auto& target : found->second) first.emplace(target.string(), n);
+            if (const auto found = targets.find(n); !claims_[n].writes && found != targets.end())
+                for (const auto& target : found->second) first.emplace(target.string(), n);
             if (compared[n])
                 each_file(n, [&](const fs::path& file) {
                     const auto [found, fresh] =

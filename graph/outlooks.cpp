@@ -89,6 +89,13 @@ private:
     std::map<std::string, Input, std::less<>> inputs_;  ///< connected ones
 };
 
+/// Takes where the outputs of a node lie, by name.
+void take_regions(std::size_t n, const Node& node, const auto& read, Known& known) {
+    for (std::size_t output = 0; output < node.outputs.size(); ++output)
+        if (const auto found = read.find(node.outputs[output].name); found != read.end())
+            known.regions[{n, output}] = found->second;
+}
+
 }  // namespace
 
 Outlooks foresee(const Pipeline& pipeline, const std::vector<bool>& needed,
@@ -99,10 +106,7 @@ Outlooks foresee(const Pipeline& pipeline, const std::vector<bool>& needed,
         const auto& node = pipeline.nodes[n];
         if (!needed[n]) continue;
         if (const auto told = read.find(n); told != read.end() && !told->second.empty()) {
-            for (std::size_t output = 0; output < node.outputs.size(); ++output)
-                if (const auto found = told->second.find(node.outputs[output].name);
-                    found != told->second.end())
-                    known.regions[{n, output}] = found->second;
+            take_regions(n, node, told->second, known);
             continue;
         }
         OutlookOf of(n, pipeline, known, out);

@@ -64,10 +64,11 @@ std::vector<std::size_t> Pipeline::leaves() const {
 std::vector<bool> Pipeline::upstream_of(const std::vector<std::size_t>& targets) const {
     std::vector<bool> needed(nodes.size(), false);
     for (const auto n : targets) needed[n] = true;
-    for (std::size_t n = nodes.size(); n-- > 0;)
-        if (needed[n])
-            for (const auto& links : nodes[n].inputs)
-                for (const auto& link : links) needed[link.node] = true;
+    for (std::size_t n = nodes.size(); n-- > 0;) {
+        if (!needed[n]) continue;
+        for (const auto& links : nodes[n].inputs)
+            for (const auto& link : links) needed[link.node] = true;
+    }
     return needed;
 }
 

@@ -9,27 +9,34 @@
 
 namespace fluidcarve {
 
+namespace {
+
+/// The frames that the inputs of a node have, which must be the same; of none, the sequence.
+FrameSet frames_taken(const Node& node, const std::vector<Node*>& nodes, const FrameSet& sequence,
+                      Problems& problems) {
+    const Node* first = nullptr;
+    for (const auto& links : node.inputs)
+        for (const auto& link : links) {
+            const auto& source = *nodes[link.node];
+            if (source.rate != Rate::frame) continue;
+            if (!first) first = &source;
+            else if (source.frames.frames() != first->frames.frames())
+                add(problems, node.mark,
+                    fmt::format("'{}' has the frames {}, but '{}' has {}: take both from "
+                                "before the change of time, or both from behind it",
+                                first->name, first->frames.text(), source.name,
+                                source.frames.text()));
+        }
+    return first ? first->frames : sequence;
+}
+
+}  // namespace
+
 FrameSet infer_timelines(const std::vector<Node*>& nodes, const FrameSet& sequence,
                          Problems& problems) {
     auto all = sequence.frames();
     for (auto* const node : nodes) {
-        node->taken = sequence;
-        const Node* first = nullptr;
-        for (const auto& links : node->inputs)
-            for (const auto& link : links) {
-                const auto& source = *nodes[link.node];
-                if (source.rate != Rate::frame) continue;
-                if (!first) {
-                    first = &source;
-                    node->taken = source.frames;
-                } else if (source.frames.frames() != first->frames.frames()) {
-                    add(problems, node->mark,
-                        fmt::format("'{}' has the frames {}, but '{}' has {}: take both from "
-                                    "before the change of time, or both from behind it",
-                                    first->name, first->frames.text(), source.name,
-                                    source.frames.text()));
-                }
-            }
+        node->taken = frames_taken(*node, nodes, sequence, problems);
         node->frames = node->taken;
         if (!node->params || !node->retimes()) continue;
         try {

@@ -12,15 +12,14 @@
 #include "nodes/params/warp_params.h"
 #include "nodes/solving/foreseen.h"
 #include "nodes/solving/seam_node.h"
+#include "nodes/solving/warp_report.h"
+#include "nodes/solving/warp_task.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <numeric>
 #include <string>
@@ -33,13 +32,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Amounts are multiples of this, so that one kept solution gives the same warp for each.
-constexpr double amount_step = 1.0 / 65536;
-/// Largest number of points of a warp, unless its factor is stated.
-constexpr auto most_points = std::uint64_t{1} << 26;
-
-double in_steps(double amount) { return std::round(amount / amount_step) * amount_step; }
-
 /// Converts amounts to item counts of Growth: a larger request has a higher count. A single amount
 /// squeezes the lattice if it is negative, so counts rise with falling amounts. With pairs of
 /// windows either sign squeezes one, and each sign has results of its own.
@@ -49,41 +41,19 @@ public:
     static constexpr std::size_t one_amount = 1;  ///< of a curve, or of a warp that is not linear
 
     static std::size_t of(double amount, bool paired) {
-        const double steps = std::min((paired ? std::abs(amount) : -amount) / amount_step, most);
+        const double steps =
+            std::min((paired ? std::abs(amount) : -amount) / warp_amount_step, most);
         return static_cast<std::size_t>(std::floor(steps + (paired ? 0 : zero)) + first);
     }
     /// The reverse. @param sign  of a pair's amount
     static double amount(std::size_t count, bool paired, double sign) {
         const double steps = static_cast<double>(count) - first;
-        return amount_step * (paired ? std::copysign(steps, sign) : zero - steps);
+        return warp_amount_step * (paired ? std::copysign(steps, sign) : zero - steps);
     }
 
 private:
     static constexpr double first = 2, zero = 0x1p33, most = 0x1p33;
 };
-
-/// The greatest share by which a warp squeezes space.
-double steepest(const Warp& warp) {
-    return std::max(0.0, -static_cast<double>(warp.scaled(warp.bounds().slope).least));
-}
-
-/// The least and the greatest amount of all planes and frames of a set, vertices.
-std::pair<double, double> amounts_in(const Seams& set, const WarpAmount& amount) {
-    double least = std::numeric_limits<double>::infinity(), greatest = -least;
-    for (const int frame : set.frames)
-        for (int k = 0; k < set.slices(); ++k) {
-            const double here =
-                amount.at(place_along(k, set.slices(), set.closed), frame, set.carved());
-            least = std::min(least, here);
-            greatest = std::max(greatest, here);
-        }
-    return {least, greatest};
-}
-
-/// Whether the amount is 0, as far as known without reading a file.
-bool states_nothing(const WarpParams& params) {
-    return params.amount && params.amount->nothing() && !params.rest;
-}
 
 /// The amount still to be made after other sets; with `rest`, these count towards the amount.
 WarpAmount amount_left(const WarpParams& params, WarpAmount amount, const CarvedSpace& space) {
@@ -92,31 +62,6 @@ WarpAmount amount_left(const WarpParams& params, WarpAmount amount, const Carved
     const int before = space.lattices().front()->shape[axis], now = space.shape()[axis];
     amount.whole = {amount.whole.of(before) - (now - before), false};
     return amount;
-}
-
-/// The report of a finished warp.
-/// @param amount  the amount of the warp; null: no amount at all
-Json report_of(const Seams& set, const WarpParams& params, const WarpAmount* amount) {
-    Json out{{"axis", to_text(set.axis)},
-             {"shape", {set.shape[0], set.shape[1], set.shape[2], set.frames.size()}}};
-    if (!amount || !amount->varies()) out["amount"] = set.warp ? set.warp->scale() : 0.0;
-    else if (params.amount) out["amount"] = text_of(*amount);
-    else out["amounts"] = amounts_in(set, *amount);
-    if (set.warp) out["factor"] = set.warp->factor();
-    out["steepest"] = set.warp ? steepest(*set.warp) : 0.0;
-    if (params.rest) out["rest"] = true;
-    return out;
-}
-
-/// Parameters for gathering energies as for the solvers of seams.
-SolverParams gathering_params(const WarpParams& params) {
-    SolverParams out;
-    out.axis = params.axis;
-    out.count.value = states_nothing(params) ? 0 : 1;
-    out.window = params.window;
-    if (params.pair_window) out.pair_window = params.pair_window->above;
-    out.anchor = params.anchor;
-    return out;
 }
 
 struct WarpSolve {
@@ -212,13 +157,13 @@ struct WarpSolve {
         const bool found_before = before_ && before_->warp && !before_->warp->linear() &&
                                   !amount.varies() &&
                                   entry_.value("amount", 0.0) == in_steps(amount.whole.of(size));
-        auto set = found_before ? *before_ : empty_set(params, space);
+        auto set = found_before ? *before_ : empty_warp(params, space);
         auto report = entry_;
         if (!found_before) {
             // A curve may differ from 0 only between planes or frames.
             const bool moves = !nothing && amounts_in(set, amount) != std::pair(0.0, 0.0);
             report = moves ? solve(params, amount, space, set, context)
-                           : report_of(set, params, nothing ? nullptr : &amount);
+                           : warp_report(set, params, nothing ? nullptr : &amount);
         }
         if (const auto fault = space.extension_fault(set); !fault.empty()) context.warn(fault);
         for (const auto& warning : warnings(report)) context.warn(warning);
@@ -253,7 +198,7 @@ struct WarpSolve {
         const auto set = std::make_shared<Seams>(*result.as<Seams>());
         if (count == Reach::nothing) {
             set->warp.reset();
-            entry = report_of(*set, {}, nullptr);
+            entry = warp_report(*set, {}, nullptr);
         } else if (set->warp && set->warp->linear()) {
             auto& warp = *set->warp;
             warp.set_scale(Reach::amount(count, set->pair_window.has_value(), warp.scale()));
@@ -274,101 +219,22 @@ private:
         return amount.varies() || amount.has_percent();
     }
 
-    static Seams empty_set(const Params& params, const CarvedSpace& space) {
-        SeamTask task;
-        task.axis = params.axis;
-        task.shape = space.shape();
-        const int size = task.shape[dimension(params.axis)];
-        task.seams.window = window_of(params.window, size);
-        if (params.pair_window)
-            task.pairs =
-                SeamTask::Part{true, Seams::Kind::remove, params.pair_window->above.of(size)};
-        auto out = empty_seams(gathering_params(params), task, space);
-        if (params.pair_window && params.pair_window->below)
-            out.pair_below = params.pair_window->below->of(size);
-        return out;
-    }
-
-    /// Vertices from point to point: as few as time allows. Depends on the size of the set alone,
-    /// so that a warp does not depend on the memory; larger warps are held in files.
-    static int factor_for(const Params& params, const Seams& set, std::size_t frames) {
-        if (params.factor) return *params.factor;
-        for (const int factor : {1, 2}) {
-            std::uint64_t points = frames;
-            for (const int along : Warp::points_of(set.warp_vertices(), set.warp_rings(), factor))
-                points *= static_cast<std::uint64_t>(along);
-            if (points <= most_points) return factor;
-        }
-        return 4;
-    }
-
-    /// The task of a warp of a set.
-    static WarpTask task_of(const Params& params, const WarpAmount& amount, const Seams& set,
-                            const Warp& warp) {
-        WarpTask out;
-        const int size = set.carved(), planes = warp.points()[2];
-        out.window = window_of(params.window, size);
-        out.pair_window = set.pair_window;
-        out.pair_below = set.pair_below;
-        out.stiffness = {static_cast<double>(params.stiffness),
-                         static_cast<double>(params.stiffness_time)};
-        std::vector<double> amounts;
-        for (std::size_t t = 0; t < warp.frames(); ++t)
-            for (int p = 0; p < planes; ++p)
-                amounts.push_back(
-                    amount.at(place_along(warp.vertex_of(2, p), set.slices(), set.closed),
-                              set.frames[t], size));
-        const auto greatest =
-            *std::ranges::max_element(amounts, {}, [](double each) { return std::abs(each); });
-        out.amount = amount.varies() ? greatest : in_steps(greatest);
-        for (const double each : amounts)
-            out.shares.push_back(amount.varies() ? static_cast<float>(each / greatest) : 1.0f);
-        return out;
-    }
-
-    /// Where there is too little room, in words.
-    static std::string why(const NoRoom& none, const Params& params, const Seams& set,
-                           const CarvedSpace& space) {
-        const auto& window = none.window;
-        const auto frame = params.static_ ? "in all frames together"
-                                          : fmt::format("in frame {}", set.frames[none.t]);
-        auto place = fmt::format(
-            "({})",
-            fmt::join(vertex_of(params.axis, fmt::format("{} to {}", window.first, window.last),
-                                std::to_string(none.lateral), std::to_string(none.k)),
-                      ", "));
-        if (!space.carved()) {
-            const auto vertex = vertex_of(params.axis, window.first, none.lateral, none.k);
-            const auto at = space.lattices()[space.place(none.t)]->position(
-                openvdb::Vec3d(vertex[0], vertex[1], vertex[2]));
-            place += fmt::format(", which begins at ({:g}, {:g}, {:g}),", at.x(), at.y(), at.z());
-        }
-        return fmt::format(
-            "{}window [{}, {}]: {}: {} column {} has {} of {} intervals that are not protected, "
-            "and each gives at most {:g} of itself; ask for less, widen the window or protect less",
-            none.pair ? "pair_" : "", window.first, window.last,
-            none.possible == 0
-                ? "no amount is possible"
-                : fmt::format("an amount of {:.6g} is possible, but no more", none.possible),
-            frame, place, none.free, none.of, most_squeezed);
-    }
-
     /// Finds the warp of a set. @return its report
     Json solve(const Params& params, const WarpAmount& amount, const CarvedSpace& space, Seams& set,
                Context& context) {
         const auto begin = std::chrono::steady_clock::now();
         auto taken = gathered_.take_unpriced(gathering_params(params), space, context.limits());
         const auto frames = params.static_ ? std::size_t{1} : set.frames.size();
-        const int factor = factor_for(params, set, frames);
+        const int factor = warp_factor_for(params, set, frames);
         auto& warp = set.warp.emplace(set.warp_vertices(), set.warp_rings(), factor, frames,
                                       context.memory_budget(), context.work_folder());
         FrameStore weights(frames, warp.values(0).size(), context.memory_budget(),
                            context.work_folder());
         find_weights(taken.energy, taken.typical,
                      {params.field_weight, params.evenness, params.empty}, warp, weights);
-        const auto task = task_of(params, amount, set, warp);
+        const auto task = warp_task(params, amount, set, warp);
         if (const auto none = no_room(task, warp, weights))
-            throw Failure(why(*none, params, set, space));
+            throw Failure(no_room_text(*none, params, set, space));
         const int cycles = find_warp(task, warp, weights, [&](double done) {
             context.check_cancelled();
             context.progress(done);
@@ -377,7 +243,7 @@ private:
         if (!params.amount || one_of_a_kind(*params.amount) || params.rest) warp.set_linear(false);
         if (!set.pair_window) warp.hold(params.anchor);
         warp.find_bounds();
-        auto report = report_of(set, params, &amount);
+        auto report = warp_report(set, params, &amount);
         if (!amount.varies()) report["amount"] = task.amount;
         report["linear"] = warp.linear();
         report["cycles"] = cycles;

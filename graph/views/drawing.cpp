@@ -90,11 +90,10 @@ std::string path_of(const std::vector<Layout::Point>& route) {
     return out;
 }
 
-std::string rounded(double x, double y, double width, double height, const char* colour,
-                    double border) {
+std::string rounded(const Layout::Box& box, const char* colour, double border) {
     return fmt::format(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" rx="7")"
                        R"( fill="{}" stroke="{}" stroke-width="{}"/>)",
-                       x, y, width, height, colour, line_colour, border);
+                       box.x, box.y, box.width, box.height, colour, line_colour, border);
 }
 
 std::string label(double x, double y, double size, const char* weight, const std::string& text) {
@@ -110,7 +109,7 @@ std::string legend(const Pipeline& pipeline, double& right) {
     double x = margin;
     const auto chip = [&](const char* colour, double border, const std::string& text) {
         const double width = text_width(text, 10) + 12;
-        out += rounded(x, margin, width, legend_height, colour, border) +
+        out += rounded({width, legend_height, x, margin}, colour, border) +
                label(x + 8, margin + 15, 10, "normal", text) + "\n";
         x += width + 8;
     };
@@ -146,7 +145,7 @@ Layout laid_out(const Pipeline& pipeline, const std::vector<Connection>& links,
 std::string node_box(const Node& node, const Layout::Box& box, const NodeLook* look) {
     auto out = fmt::format("<g class=\"node {}\"><title>{}</title>",
                            look ? look->style : to_text(node.rate), xml_text(node.type->doc));
-    out += rounded(box.x, box.y, box.width, box.height, fill(node.rate), node.gathers ? 2.5 : 1);
+    out += rounded(box, fill(node.rate), node.gathers ? 2.5 : 1);
     out += label(box.x + 10, box.y + 19, 13, "bold", node.name) +
            label(box.x + 10, box.y + 35, 11, "normal", node.type->name);
     if (look) out += label(box.x + 10, box.y + 51, 11, "normal", look->note);

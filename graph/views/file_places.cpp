@@ -57,6 +57,13 @@ std::string user_of(const Pipeline& pipeline, const std::string& path) {
         return fs::path(other).filename() == name &&
                fs::weakly_canonical(fs::absolute(other, error), error) == wanted;
     };
+    const auto is_one_of = [&](const PathPattern& pattern) {
+        for (const auto frame : pipeline.frames.frames()) {
+            if (is(pattern.at(frame))) return true;
+            if (!pattern.per_frame()) break;
+        }
+        return false;
+    };
     for (const auto& file : pipeline.files)
         if (is(file)) return "it is the pipeline";
     for (const auto& node : pipeline.nodes)
@@ -65,11 +72,8 @@ std::string user_of(const Pipeline& pipeline, const std::string& path) {
             if (!reads && !spec.writes_file()) continue;
             const auto& pattern = spec.path(node.params.get());
             if (const auto ends = pattern.name_ends(); ends && !ends->fits({name, name})) continue;
-            for (const auto frame : pipeline.frames.frames()) {
-                if (is(pattern.at(frame)))
-                    return fmt::format("'{}' {} it", node.name, reads ? "reads" : "writes");
-                if (!pattern.per_frame()) break;
-            }
+            if (is_one_of(pattern))
+                return fmt::format("'{}' {} it", node.name, reads ? "reads" : "writes");
         }
     return {};
 }

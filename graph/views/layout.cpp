@@ -146,10 +146,11 @@ private:
                     offset[n - 1] + (items_[column[n - 1]].height + item.height) / 2 + row_gap;
             double sum = 0;
             double weight = 0;
-            for (const auto* side :
-                 {use_before ? &item.before : nullptr, use_after ? &item.after : nullptr})
-                if (side)
-                    for (const auto each : *side) sum += items_[each].middle, weight += 1;
+            const auto add = [&](const auto& side) {
+                for (const auto each : side) sum += items_[each].middle, weight += 1;
+            };
+            if (use_before) add(item.before);
+            if (use_after) add(item.after);
             // An item without neighbours is weakly tied to its present height.
             if (weight == 0) weight = 0.1, sum = item.middle * weight;
             blocks.push_back({sum - offset[n] * weight, weight, 1});

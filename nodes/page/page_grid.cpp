@@ -118,13 +118,17 @@ private:
                 auto& sum =
                     sums[static_cast<std::size_t>(y) * static_cast<std::size_t>(page_.size[0]) +
                          static_cast<std::size_t>(x)];
-                const auto voxels = static_cast<double>(voxels_in(box));
-                sum.voxels += voxels;
-                if (!part.leaf) sum.of += voxels * part.value;
-                else
-                    for (auto at = box.begin(); at; ++at)
-                        sum.of += finite(seen_value(part.leaf->getValue(*at)));
+                add(part, box, sum);
             }
+    }
+    /// Adds what a part has in a box.
+    static void add(const Part& part, const openvdb::CoordBBox& box, Sum& sum) {
+        const auto voxels = static_cast<double>(voxels_in(box));
+        sum.voxels += voxels;
+        if (!part.leaf) sum.of += voxels * part.value;
+        else
+            for (auto at = box.begin(); at; ++at)
+                sum.of += finite(seen_value(part.leaf->getValue(*at)));
     }
 
     const PageGrid& page_;

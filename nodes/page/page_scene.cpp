@@ -105,6 +105,22 @@ Json rig_json(const Rig& rig, const PageGrid& page) {
     return {{"closed", rig.closed}, {"points", std::move(points)}};
 }
 
+/// Appends entries of the seams of a window as original indices: `[seam][column]`.
+/// @param first  of the columns of the frame
+void append_entries(const std::vector<Seams::Seam>& window, Seams::Kind kind, std::size_t first,
+                    std::size_t columns, std::vector<std::uint16_t>& out) {
+    const auto base = out.size();
+    out.resize(base + window.size() * columns);
+    std::vector<std::uint16_t> entries, scratch;
+    for (std::size_t column = 0; column < columns; ++column) {
+        entries.clear();
+        for (const auto& seam : window) entries.push_back(seam.at[first + column]);
+        if (kind == Seams::Kind::remove) to_original(entries, scratch);
+        for (std::size_t n = 0; n < entries.size(); ++n)
+            out[base + n * columns + column] = entries[n];
+    }
+}
+
 /// Entries of all seams of a frame as original indices: `[set][window][seam][column]`.
 std::vector<std::uint16_t> original_entries(const std::vector<Ref<Seams>>& sets, int frame) {
     std::vector<std::uint16_t> out;
@@ -112,19 +128,8 @@ std::vector<std::uint16_t> original_entries(const std::vector<Ref<Seams>>& sets,
         const auto t = static_cast<std::size_t>(
             std::find(set->frames.begin(), set->frames.end(), frame) - set->frames.begin());
         const auto columns = set->columns_per_frame();
-        for (const auto* const window : {&set->seams, &set->pairs}) {
-            const auto kind = window == &set->seams ? set->kind : opposite(set->kind);
-            const auto base = out.size();
-            out.resize(base + window->size() * columns);
-            std::vector<std::uint16_t> entries, scratch;
-            for (std::size_t column = 0; column < columns; ++column) {
-                entries.clear();
-                for (const auto& seam : *window) entries.push_back(seam.at[t * columns + column]);
-                if (kind == Seams::Kind::remove) to_original(entries, scratch);
-                for (std::size_t n = 0; n < entries.size(); ++n)
-                    out[base + n * columns + column] = entries[n];
-            }
-        }
+        append_entries(set->seams, set->kind, t * columns, columns, out);
+        append_entries(set->pairs, opposite(set->kind), t * columns, columns, out);
     }
     return out;
 }

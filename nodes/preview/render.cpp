@@ -151,6 +151,12 @@ Film lit(const FloatGrid& smoke, const ViewWindow& window) {
     return film;
 }
 
+/// What a surface sends to the viewer. @param middle  between the directions to light and viewer
+double seen_light(const Vec3d& normal, const Vec3d& light, const Vec3d& middle) {
+    return surface_ambient + diffuse_light * std::max(0.0, normal.dot(light)) +
+           highlight * std::pow(std::max(0.0, normal.dot(middle)), shininess);
+}
+
 /// The surface of a level set, seen by its slopes.
 Film lit_surface(const FloatGrid& water, const ViewWindow& window) {
     Film film(window.width, window.height);
@@ -165,30 +171,27 @@ Film lit_surface(const FloatGrid& water, const ViewWindow& window) {
                         raking_front * window.towards)
                            .unit(),
                middle = (light + window.towards).unit();
-    const auto seen = [&](const Vec3d& normal) {
-        return surface_ambient + diffuse_light * std::max(0.0, normal.dot(light)) +
-               highlight * std::pow(std::max(0.0, normal.dot(middle)), shininess);
+    const auto draw = [&](const Surface& hits, int x, int y) {
+        Vec3d place, normal;
+        double brightness = 0;
+        int hit = 0;
+        for (int n = 0; n < samples * samples; ++n) {
+            const auto ray =
+                camera.getRay(x, y, (n % samples + 0.5) / samples, (n / samples + 0.5) / samples);
+            const Surface::RayType scaled(voxel * ray.eye(), ray.dir());
+            if (!hits.intersectsWS(scaled, place, normal)) continue;
+            ++hit;
+            brightness += seen_light(normal, light, middle);
+        }
+        constexpr double all = samples * samples;
+        auto& pixel = film.pixel(static_cast<std::size_t>(x), static_cast<std::size_t>(y));
+        pixel.r = pixel.g = pixel.b = static_cast<float>(brightness / all);
+        pixel.a = static_cast<float>(hit / all);
     };
     tbb::parallel_for(tbb::blocked_range<int>(0, window.height), [&](const auto& rows) {
         const Surface hits(surface);
-        Vec3d place, normal;
         for (int y = rows.begin(); y < rows.end(); ++y)
-            for (int x = 0; x < window.width; ++x) {
-                double brightness = 0;
-                int hit = 0;
-                for (int n = 0; n < samples * samples; ++n) {
-                    const auto ray = camera.getRay(x, y, (n % samples + 0.5) / samples,
-                                                   (n / samples + 0.5) / samples);
-                    const Surface::RayType scaled(voxel * ray.eye(), ray.dir());
-                    if (!hits.intersectsWS(scaled, place, normal)) continue;
-                    ++hit;
-                    brightness += seen(normal);
-                }
-                constexpr double all = samples * samples;
-                auto& pixel = film.pixel(static_cast<std::size_t>(x), static_cast<std::size_t>(y));
-                pixel.r = pixel.g = pixel.b = static_cast<float>(brightness / all);
-                pixel.a = static_cast<float>(hit / all);
-            }
+            for (int x = 0; x < window.width; ++x) draw(hits, x, y);
     });
     return film;
 }

@@ -301,12 +301,13 @@ Area beside(const Area& content, const std::vector<PictureLine>& lines) {
 
 ScaleRange range_of(const std::vector<SheetRow>& rows, SheetRow::Scale scale) {
     ScaleRange out{0, 0};
+    const auto take = [&](const Projection& shown) {
+        for (const double value : shown.values)
+            if (std::isfinite(value)) out = {std::min(out.low, value), std::max(out.high, value)};
+    };
     for (const auto& row : rows)
         if (row.scale == scale)
-            for (const auto& panel : row.panels)
-                for (const double value : panel.projection.values)
-                    if (std::isfinite(value))
-                        out = {std::min(out.low, value), std::max(out.high, value)};
+            for (const auto& panel : row.panels) take(panel.projection);
     if (scale == SheetRow::Scale::change)
         out = {std::min(out.low, -out.high), std::max(out.high, -out.low)};
     if (out.low == out.high) out = {scale == SheetRow::Scale::change ? -1.0 : 0.0, 1};

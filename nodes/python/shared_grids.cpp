@@ -61,6 +61,14 @@ auto as_its_type(const openvdb::GridBase& grid, const With& with) {
 
 Coord block_of(const Coord& at) { return at & ~(block_edge - 1); }
 
+/// Calls `visit` with the origin of each block that a box overlaps.
+void each_block(const openvdb::CoordBBox& box, const auto& visit) {
+    const auto low = block_of(box.min()), high = block_of(box.max());
+    for (int x = low.x(); x <= high.x(); x += block_edge)
+        for (int y = low.y(); y <= high.y(); y += block_edge)
+            for (int z = low.z(); z <= high.z(); z += block_edge) visit(Coord(x, y, z));
+}
+
 /// Bytes of the values in a leaf; a mask has only states.
 std::uint64_t value_bytes(const openvdb::GridBase& grid) {
     return grid.isType<FloatGrid>()    ? leaf_voxels * sizeof(float)
@@ -162,14 +170,12 @@ std::vector<SharedGrids::Part> SharedGrids::parts(std::optional<int> halo) const
         box.expand(*halo);
         box.intersect(box_);
         Part part{{}, box, origin};
-        const auto low = block_of(box.min()), high = block_of(box.max());
-        for (int x = low.x(); x <= high.x(); x += block_edge)
-            for (int y = low.y(); y <= high.y(); y += block_edge)
-                for (int z = low.z(); z <= high.z(); z += block_edge)
-                    if (const auto found = leaves.find({x, y, z}); found != leaves.end())
-                        for (const auto n : found->second)
-                            if (leaves_[n]->getNodeBoundingBox().hasOverlap(box))
-                                part.leaves.push_back(n);
+        each_block(box, [&](const Coord& block) {
+            const auto found = leaves.find(block);
+            if (found == leaves.end()) return;
+            for (const auto n : found->second)
+                if (leaves_[n]->getNodeBoundingBox().hasOverlap(box)) part.leaves.push_back(n);
+        });
         std::ranges::sort(part.leaves);
         out.push_back(std::move(part));
     }

@@ -239,22 +239,18 @@ Json Worker::call(Json request, const WorkerLimits& limits, const WorkerHost& ho
     const auto end_of_time = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                                 std::chrono::duration<double>(seconds_ + grace));
     send(request.dump() + "\n");
+    const auto is_answer = [&](const Json& said) {
+        ready_ = true;
+        if (said.contains("warn")) return host.warn(said["warn"]), false;
+        if (said.contains("progress")) return host.progress(said["progress"]), false;
+        if (const auto text = printed(); !text.empty()) host.warn("the script printed: " + text);
+        if (said.contains("failed")) throw Failure(said["failed"].get<std::string>());
+        return true;
+    };
     std::string line;
     while (true) {
-        while (next_line(line)) {
-            auto said = understood(line);
-            ready_ = true;
-            if (said.contains("warn")) {
-                host.warn(said["warn"]);
-            } else if (said.contains("progress")) {
-                host.progress(said["progress"]);
-            } else {
-                if (const auto text = printed(); !text.empty())
-                    host.warn("the script printed: " + text);
-                if (said.contains("failed")) throw Failure(said["failed"].get<std::string>());
-                return said;
-            }
-        }
+        while (next_line(line))
+            if (auto said = understood(line); is_answer(said)) return said;
         if (host.cancelled()) {
             end();
             throw Cancelled{};

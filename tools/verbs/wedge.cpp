@@ -59,10 +59,11 @@ struct WedgeRun {
 template <class Visit>
 void each_output(const Pipeline& pipeline, const Visit& visit) {
     for (const auto& node : pipeline.nodes)
-        for (const auto& spec : node.type->params)
-            if (spec.writes_file())
-                if (const auto& path = spec.path(node.params.get()); !path.text().empty())
-                    visit(node, spec, path);
+        for (const auto& spec : node.type->params) {
+            if (!spec.writes_file()) continue;
+            const auto& path = spec.path(node.params.get());
+            if (!path.text().empty()) visit(node, spec, path);
+        }
 }
 
 /// Settings by which a pipeline writes all of its files into a folder, under their own names.
