@@ -1,11 +1,13 @@
 #include "runtime/run/prerequisites.h"
 
 #include "carve/base/words.h"
+#include "runtime/run/status.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <optional>
 #include <thread>
 
@@ -53,6 +55,25 @@ std::vector<Fault> missing_in(const Pipeline& pipeline, const Plan& plan,
 }
 
 }  // namespace
+
+std::string fault_of_task_folder(const RunRequest& request,
+                                 const std::function<bool()>& cancelled) {
+    const auto folder =
+        job_folder(request.options.work_folder, request.task.substr(0, request.task.find('/')));
+    std::error_code error;
+    const auto start = std::chrono::steady_clock::now();
+    while (!std::filesystem::exists(folder, error)) {
+        if (cancelled() || std::chrono::steady_clock::now() - start >
+                               std::chrono::duration<double>(request.wait.value_or(0)))
+            break;
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    }
+    if (std::filesystem::exists(folder, error)) return {};
+    return fmt::format(
+        "--task {}: there is no folder {}; share the work folder with this machine, or make the "
+        "job again if it was cleaned",
+        request.task, folder);
+}
 
 Prerequisites wait_for_prerequisites(const Pipeline& pipeline, Preparation& prepared,
                                      const RunRequest& request,

@@ -4,9 +4,14 @@
 #include "runtime/run/request.h"
 
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace fluidcarve {
+
+/// Why a task of a farm can't begin: it does not see the folder of its job, and so would not see
+/// the results of other tasks. Empty: it does.
+std::string fault_of_task_folder(const RunRequest& request, const std::function<bool()>& cancelled);
 
 /// A schedule, and what it lacks.
 struct Prerequisites {

@@ -27,7 +27,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -72,27 +71,6 @@ int exit_of(const Report& report, bool cancelled, bool stopped) {
         return fault.kind == Failure::Kind::input;
     });
     return only_inputs ? exit_code::input : exit_code::node_failed;
-}
-
-/// Why a task of a farm can't begin: it does not see the folder of its job, and so would not see
-/// the results of other tasks. Empty: it does.
-std::string fault_of_task_folder(const RunRequest& request,
-                                 const std::function<bool()>& cancelled) {
-    const auto folder =
-        job_folder(request.options.work_folder, request.task.substr(0, request.task.find('/')));
-    std::error_code error;
-    const auto start = std::chrono::steady_clock::now();
-    while (!std::filesystem::exists(folder, error)) {
-        if (cancelled() || std::chrono::steady_clock::now() - start >
-                               std::chrono::duration<double>(request.wait.value_or(0)))
-            break;
-        std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    }
-    if (std::filesystem::exists(folder, error)) return {};
-    return fmt::format(
-        "--task {}: there is no folder {}; share the work folder with this machine, or make the "
-        "job again if it was cleaned",
-        request.task, folder);
 }
 
 /// Reports a failure if results that `--to` asks for, which only the work folder holds, are
