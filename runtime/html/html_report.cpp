@@ -8,13 +8,12 @@
 #include "runtime/html/grid_rows.h"
 #include "runtime/html/html_parts.h"
 #include "runtime/html/html_words.h"
-#include "runtime/html/plot.h"
+#include "runtime/html/seams_html.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <set>
 
 namespace fluidcarve {
@@ -22,12 +21,6 @@ namespace fluidcarve {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double least_gap = 5e-5;  ///< smaller gaps are rounding errors
-
-std::string percent(double share) {
-    return fmt::format("{:.{}f} %", share * 100, share < 0.0995 ? 2 : share < 0.995 ? 1 : 0);
-}
 
 /// Builds the page, section by section.
 class Page {
@@ -286,101 +279,7 @@ private:
 
     void seams(const std::string& name, const Json& entry) {
         section(report_.at("seams").size() == 1 ? "Seams" : "Seams of " + name);
-        const auto energy = numbers(entry, "energy");
-        const auto gap = numbers(entry, "gap");
-        double widest = -1;
-        std::size_t bounded = 0;
-        for (const auto value : gap)
-            if (std::isfinite(value)) {
-                widest = std::max(widest, value);
-                ++bounded;
-            }
-        const bool inserts = word(entry, "kind") == "insert";
-        auto told = fmt::format("{} {} across {}", counted(energy.size(), "seam"),
-                                inserts ? "inserted" : "removed", word(entry, "axis"));
-        if (const auto pairs = numbers(entry, "pair_energy").size(); pairs > 0)
-            told += fmt::format(", {} {} in the pair window",
-                                pairs == energy.size() ? "as many" : std::to_string(pairs),
-                                inserts ? "removed" : "inserted");
-        told += where(entry) + ".";
-        const bool least = widest < least_gap;
-        if (bounded > 0 && bounded < gap.size())
-            told += fmt::format(
-                " A lower bound is known for {} of them: no seam can have less energy there, and "
-                "{} at most {} more.",
-                bounded, bounded == 1 ? "it has" : "they have", percent(widest));
-        else if (bounded > 0)
-            told += least ? " Each is at its lower bound: no seam has less energy."
-                          : fmt::format(
-                                " No seam can have less energy than its lower bound; these have at "
-                                "most {} more.",
-                                percent(widest));
-        out_ += element("p", told) + "\n<div class=\"plots\">\n";
-        energy_plot(entry, "", "Energy of each seam");
-        energy_plot(entry, "pair_", "Energy of each seam of the pair window");
-        if (!least && bounded > 1) {
-            LinePlot plot{
-                "Gap to the lower bound, in percent", "seam", {{"gap", gap}}, true, false, {}};
-            for (auto& value : plot.curves[0].values) value *= 100;
-            for (std::size_t n = 0; n < gap.size(); ++n)
-                plot.notes.push_back(std::isfinite(gap[n])
-                                         ? fmt::format("seam {}: {}", n + 1, percent(gap[n]))
-                                         : "");
-            out_ += "<figure>" + to_svg(plot) + "</figure>\n";
-        }
-        out_ += "</div>\n";
-        all_numbers(entry, energy.size());
-    }
-
-    /// The lattice of a report entry in words: ", in a lattice of 28 × 26 × 130 vertices and 6
-    /// frames".
-    static std::string where(const Json& entry) {
-        const auto shape = numbers(entry, "shape");
-        if (shape.size() != 4 || !std::all_of(shape.begin(), shape.end(),
-                                              [](double each) { return each >= 0 && each < 1e9; }))
-            return {};
-        return fmt::format(", in a lattice of {} × {} × {} vertices and {}", shape[0], shape[1],
-                           shape[2], counted(static_cast<std::size_t>(shape[3]), "frame"));
-    }
-
-    void energy_plot(const Json& entry, const std::string& prefix, const std::string& title) {
-        const auto energy = numbers(entry, prefix + "energy"),
-                   bound = numbers(entry, prefix + "lower_bound");
-        if (energy.empty()) return;
-        const bool bounded = std::any_of(bound.begin(), bound.end(),
-                                         [](double value) { return std::isfinite(value); });
-        LinePlot plot{title, "seam", {{"energy", energy}}, false, bounded, {}};
-        if (bounded) plot.curves.push_back({"bound", bound});
-        for (std::size_t n = 0; n < energy.size(); ++n) {
-            const bool has = n < bound.size() && std::isfinite(bound[n]);
-            plot.notes.push_back(
-                fmt::format("seam {}: energy {:.6g}{}", n + 1, energy[n],
-                            has ? fmt::format(", at least {:.6g}", bound[n]) : ""));
-        }
-        out_ += "<figure>" + to_svg(plot) +
-                "<ul class=\"legend\"><li><i class=\"line\"></i>energy</li>" +
-                (bounded ? "<li><i class=\"line bound\"></i>lower bound</li>" : "") +
-                "</ul></figure>\n";
-    }
-
-    /// A table of all lists in a report entry that have one value per seam.
-    void all_numbers(const Json& entry, std::size_t seams) {
-        std::vector<std::string> heads{"seam"};
-        std::vector<std::vector<std::string>> rows;
-        for (std::size_t n = 0; n < seams; ++n) rows.push_back({std::to_string(n + 1)});
-        for (const auto& [field, list] : entry.items()) {
-            if (field == "shape" || !list.is_array() || list.size() != seams || seams == 0)
-                continue;
-            heads.push_back(field == "wall_s" ? "time" : words(field));
-            for (std::size_t n = 0; n < seams; ++n)
-                rows[n].push_back(
-                    field == "wall_s" && list[n].is_number() ? duration_text(list[n].get<double>())
-                    : field == "gap" && list[n].is_number()  ? percent(list[n].get<double>())
-                                                             : plain(list[n]));
-        }
-        if (heads.size() > 1)
-            out_ += "<details><summary>All numbers</summary>\n" + wide_table(heads, rows) +
-                    "</details>\n";
+        out_ += seams_html(entry);
     }
 
     void grids() {
