@@ -12,17 +12,18 @@ namespace fluidcarve {
 
 /// A run as asked for on the command line.
 struct RunRequest {
-    RunOptions options;
-    RunTarget target;           ///< the part of the pipeline to run
-    std::string report_path;    ///< empty: no report
-    std::string html_path;      ///< empty: no page
-    std::string profile_path;   ///< empty: no trace
-    std::string manifest_path;  ///< empty: no manifest
-    ValueSources sources;       ///< sources of the pipeline's values, for the page
+    RunOptions options{};
+    RunTarget target{};           ///< the part of the pipeline to run
+    std::string report_path{};    ///< empty: no report
+    std::string html_path{};      ///< empty: no page
+    std::string profile_path{};   ///< empty: no trace
+    std::string manifest_path{};  ///< empty: no manifest
+    ValueSources sources{};       ///< sources of the pipeline's values, for the page
     ProgressStyle progress = ProgressStyle::none;
-    std::optional<double> wait;  ///< seconds to wait for results of other runs in the work folder,
-                                 ///< which this run then does not make; nothing: it makes them
-    std::string task;    ///< JOB/STEP: this run is a task of a farm's job, and is recorded as one;
+    std::optional<double>
+        wait{};          ///< seconds to wait for results of other runs in the work folder,
+                         ///< which this run then does not make; nothing: it makes them
+    std::string task{};  ///< JOB/STEP: this run is a task of a farm's job, and is recorded as one;
                          ///< empty: it is not
     bool quiet = false;  ///< print failures only
     /// Print the forecast before the run, and the time of each node after it.

@@ -220,7 +220,7 @@ bool DraftText::warps() const {
            std::ranges::none_of(request_.remap_fields, of_seams);
 }
 
-Fields DraftText::without(Fields fields, std::string_view name) {
+DraftText::Fields DraftText::without(Fields fields, std::string_view name) {
     std::erase_if(fields, [&](const auto& field) { return field.first == name; });
     return fields;
 }
@@ -253,7 +253,7 @@ void DraftText::carve(const std::string& name, const char* type, const std::stri
     node(name, type, with(std::move(fields), wanted));
 }
 
-Fields DraftText::with(Fields fields, const Fields& wanted) {
+DraftText::Fields DraftText::with(Fields fields, const Fields& wanted) {
     for (const auto& [name, value] : wanted) {
         const auto found =
             std::ranges::find(fields, name, &std::pair<std::string, std::string>::first);
