@@ -125,8 +125,8 @@ private:
     std::optional<typename GridT::ConstAccessor> values_;
 };
 
-/// Mixes the voxels of a grid of two frames, of which one may be null: then the other fades. A level
-/// set can't: it is there where its frame is the nearer one.
+/// Mixes the voxels of a grid of two frames, of which one may be null: then the other fades. A
+/// level set can't: it is there where its frame is the nearer one.
 template <class GridT>
 class GridMix {
 public:
