@@ -94,7 +94,7 @@ struct Filter {
 
 /// Filters the voxels along seams, block by block.
 template <class GridT>
-class Worker {
+class FilteredBlocks {
     using TreeT = typename GridT::TreeType;
     using Leaf = typename TreeT::LeafNodeType;
     using Value = typename TreeT::ValueType;
@@ -103,8 +103,8 @@ class Worker {
     using Marks = std::bitset<Leaf::SIZE>;
 
 public:
-    Worker(const GridT& grid, CarvedPlaces places, const CarveMap& map, const Filter& filter,
-           Lowest& not_finite)
+    FilteredBlocks(const GridT& grid, CarvedPlaces places, const CarveMap& map,
+                   const Filter& filter, Lowest& not_finite)
         : map_(map),
           filter_(filter),
           not_finite_(not_finite),
@@ -215,8 +215,7 @@ openvdb::GridBase::ConstPtr filtered(const openvdb::GridBase::ConstPtr& base,
     const auto grid = openvdb::GridBase::grid<GridT>(base);
     Lowest not_finite;
     const auto out = rewrite_blocks<GridT>(grid, places.voxels(map.moved()), [&] {
-        return [worker = std::make_shared<Worker<GridT>>(*grid, places, map, filter, not_finite)](
-                   const Coord& block, LeafOf<GridT>& leaf) { return (*worker)(block, leaf); };
+        return block_worker<GridT, FilteredBlocks<GridT>>(*grid, places, map, filter, not_finite);
     });
     if (const auto& at = not_finite.get())
         throw Failure(

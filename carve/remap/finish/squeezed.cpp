@@ -84,8 +84,7 @@ openvdb::GridBase::ConstPtr smooth(const openvdb::GridBase::ConstPtr& base,
                                    const CarvedPlaces& places, const CarveDerivative& derivative) {
     const auto grid = openvdb::GridBase::grid<GridT>(base);
     return rewrite_blocks<GridT>(grid, places.voxels(derivative.range()), [&] {
-        return [worker = std::make_shared<SqueezedSmooth<GridT>>(*grid, places, derivative)](
-                   const Coord& block, LeafOf<GridT>& out) { return (*worker)(block, out); };
+        return block_worker<GridT, SqueezedSmooth<GridT>>(*grid, places, derivative);
     });
 }
 

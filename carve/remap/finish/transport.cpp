@@ -30,15 +30,15 @@ constexpr double hardly = 1e-3;
 
 /// Scales a density, or turns vectors, block by block.
 template <class GridT>
-class Worker {
+class TransportedBlocks {
     using TreeT = typename GridT::TreeType;
     using Leaf = typename TreeT::LeafNodeType;
     using Value = typename TreeT::ValueType;
 
 public:
     /// @param source  the grid before the carve, for densities; else null
-    Worker(const GridT* source, const GridT& grid, CarvedPlaces places,
-           const CarveDerivative& derivative)
+    TransportedBlocks(const GridT* source, const GridT& grid, CarvedPlaces places,
+                      const CarveDerivative& derivative)
         : derivative_(derivative),
           source_(source ? source : &grid),
           values_(source_->getConstAccessor()),
@@ -185,8 +185,8 @@ openvdb::GridBase::ConstPtr transported(const openvdb::GridBase::ConstPtr& from,
     const auto grid = openvdb::GridBase::grid<GridT>(base);
     const auto source = from ? openvdb::GridBase::grid<GridT>(from) : nullptr;
     return rewrite_blocks<GridT>(grid, places.voxels(derivative.range()), [&] {
-        return [worker = std::make_shared<Worker<GridT>>(source.get(), *grid, places, derivative)](
-                   const Coord& block, LeafOf<GridT>& out) { return (*worker)(block, out); };
+        return block_worker<GridT, TransportedBlocks<GridT>>(source.get(), *grid, places,
+                                                             derivative);
     });
 }
 

@@ -190,8 +190,7 @@ typename GridT::ConstPtr carve_aligned(const typename GridT::ConstPtr& grid,
     if (map.empty()) return grid;
     // A component's face may lie in the lattice where its voxel's centre does not.
     return rewrite_blocks<GridT>(grid, padded(voxels(alignment, map.moved()), 1), [&] {
-        return [worker = std::make_shared<AlignedCarve<GridT>>(*grid, alignment, map)](
-                   const Coord& block, LeafOf<GridT>& out) { return (*worker)(block, out); };
+        return block_worker<GridT, AlignedCarve<GridT>>(*grid, alignment, map);
     });
 }
 

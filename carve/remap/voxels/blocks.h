@@ -8,8 +8,10 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace fluidcarve {
@@ -206,6 +208,13 @@ using LeafOf = typename GridT::TreeType::LeafNodeType;
 /// Fills all voxels of a block from the untouched grid. Returns false if the block stays as it is.
 template <class GridT>
 using BlockWorker = std::function<bool(const openvdb::Coord& block, LeafOf<GridT>& out)>;
+
+/// A BlockWorker that calls an object of a class.
+template <class GridT, class Worker, class... Args>
+BlockWorker<GridT> block_worker(Args&&... args) {
+    return [worker = std::make_shared<Worker>(std::forward<Args>(args)...)](
+               const openvdb::Coord& block, LeafOf<GridT>& out) { return (*worker)(block, out); };
+}
 
 /// Rewrites the 8^3 blocks of a grid that meet an index box, in parallel. Constant blocks become
 /// tiles; tiles that do not change stay whole. For the types of carve/volume/grid_types.h.

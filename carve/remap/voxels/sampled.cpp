@@ -485,9 +485,8 @@ typename GridT::ConstPtr carve_sampled(const typename GridT::ConstPtr& grid, con
     const BlockPlaces places(mapping, grid->transform());
     const auto slow = slow_part(*grid, mapping, map);
     return rewrite_blocks<GridT>(unfaded ? unfaded : grid, box, [&] {
-        return [worker = std::make_shared<SampledCarve<GridT>>(*grid, mapping, places, map,
-                                                               interpolation, unfaded.get(), slow)](
-                   const Coord& block, LeafOf<GridT>& out) { return (*worker)(block, out); };
+        return block_worker<GridT, SampledCarve<GridT>>(*grid, mapping, places, map, interpolation,
+                                                        unfaded.get(), slow);
     });
 }
 
