@@ -227,7 +227,7 @@ private:
             if (!request_.manifest_path.empty()) manifest_.emplace(request_.manifest_path);
         } catch (const Failure& failure) {
             tell(fmt::format("failed: manifest: {}", failure.what()));
-            return code_of(failure);
+            return exit_code::of(failure);
         }
         if (request_.task.empty()) return std::nullopt;
         record_ = task_record(request_.options.work_folder, request_.task, request_.target.frames);

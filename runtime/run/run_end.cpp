@@ -58,10 +58,6 @@ void tell_outcome(const Report& report, const RunRequest& request,
                 node["bytes"].get<double>() / 1e6, name, node["type"].get<std::string>()));
 }
 
-int code_of(const Failure& failure) {
-    return failure.kind == Failure::Kind::input ? exit_code::input : exit_code::node_failed;
-}
-
 int save_manifest(Manifest& manifest, const RunRequest& request) {
     try {
         const auto [listed, added] = manifest.save();
@@ -72,7 +68,7 @@ int save_manifest(Manifest& manifest, const RunRequest& request) {
         return exit_code::done;
     } catch (const Failure& failure) {
         tell(fmt::format("failed: manifest: {}", failure.what()));
-        return code_of(failure);
+        return exit_code::of(failure);
     }
 }
 

@@ -24,9 +24,6 @@ void tell_outcome(const Report& report, const RunRequest& request,
                   const nlohmann::ordered_json& summary, const std::vector<std::string>& told,
                   const std::string& done);
 
-/// The exit code of a failure.
-int code_of(const Failure& failure);
-
 /// Adds the files that the run read to the manifest. @return the exit code
 int save_manifest(Manifest& manifest, const RunRequest& request);
 

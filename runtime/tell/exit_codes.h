@@ -1,5 +1,7 @@
 #pragma once
 
+#include "carve/base/failure.h"
+
 #include <array>
 #include <utility>
 
@@ -24,6 +26,10 @@ inline constexpr std::array meanings{
     std::pair{some_frames_failed, "done, but some frames failed"},
     std::pair{interrupted, "interrupted"},
 };
+/// The exit code of a failure. @param other  if its kind is not `input`
+inline int of(const Failure& failure, int other = node_failed) {
+    return failure.kind == Failure::Kind::input ? input : other;
+}
 }  // namespace exit_code
 
 }  // namespace fluidcarve

@@ -3,13 +3,9 @@
 #include "carve/base/words.h"
 #include "formats/file/path_pattern.h"
 #include "graph/build_pipeline.h"
-#include "graph/views/provenance.h"
-#include "graph/views/value_sources.h"
-#include "runtime/run/interrupt.h"
-#include "runtime/run/run.h"
-#include "runtime/tell/outcome.h"
 #include "tools/draft/draft.h"
 #include "tools/verbs/draft_files.h"
+#include "tools/verbs/run.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -105,7 +101,7 @@ std::vector<std::string> words_of(const CarveArguments& arguments, const DraftFi
 }
 
 /// What is wrong with the arguments, before any file is looked at; empty: nothing.
-std::string wrong_wish(const CarveArguments& arguments, const Registry& registry) {
+std::string wrong_request(const CarveArguments& arguments, const Registry& registry) {
     if (!is_count(arguments.count))
         return fmt::format(
             "COUNT must be a number of seams such as -12 or 12, or a share such as -20%, not '{}'",
@@ -190,7 +186,7 @@ int carve_files(CarveArguments& arguments, const Registry& registry) {
         complain(message + "\n");
         return exit_code::usage;
     };
-    if (const auto fault = wrong_wish(arguments, registry); !fault.empty()) return wrong(fault);
+    if (const auto fault = wrong_request(arguments, registry); !fault.empty()) return wrong(fault);
     auto source = std::make_shared<Source>();
     std::vector<std::string> words;
     try {
@@ -201,8 +197,7 @@ int carve_files(CarveArguments& arguments, const Registry& registry) {
         source->text = draft_pipeline(request_of(arguments, files));
         words = words_of(arguments, files);
     } catch (const Failure& failure) {
-        return wrong(failure.what()),
-               failure.kind == Failure::Kind::input ? exit_code::input : exit_code::usage;
+        return wrong(failure.what()), exit_code::of(failure, exit_code::usage);
     }
     Problems problems;
     auto document = read_document(source, {}, problems);
@@ -210,13 +205,7 @@ int carve_files(CarveArguments& arguments, const Registry& registry) {
     auto pipeline = build_pipeline(document, registry, problems);
     if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
     if (arguments.print_pipeline) return print(source->text), exit_code::done;
-    state_provenance(pipeline, document, registry);
-    auto request = arguments.run.read(pipeline);
-    if (!request) return exit_code::usage;
-    request->sources = value_sources_of(document, registry);
-    const Interrupt interrupt(request->quiet ? std::string()
-                                             : interrupted_text(request->options.cache));
-    return run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
+    return run_built(std::move(pipeline), document, arguments.run, registry);
 }
 
 }  // namespace fluidcarve

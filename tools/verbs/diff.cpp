@@ -302,9 +302,7 @@ int diff_files(const DiffRequest& request) {
     } catch (const WrongUse& fault) {
         return wrong(fmt::format("{}\n", fault.what()), exit_code::usage);
     } catch (const Failure& failure) {
-        return wrong(
-            fmt::format("failed: {}\n", one_line(failure.what())),
-            failure.kind == Failure::Kind::input ? exit_code::input : exit_code::node_failed);
+        return wrong(fmt::format("failed: {}\n", one_line(failure.what())), exit_code::of(failure));
     }
 }
 

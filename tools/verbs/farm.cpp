@@ -226,8 +226,7 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
         return job ? hand_over(*job, engine, arguments, request->quiet, interrupt)
                    : exit_code::input;
     } catch (const Failure& failure) {
-        return tell(fmt::format("failed: {}", failure.what())),
-               failure.kind == Failure::Kind::input ? exit_code::input : exit_code::node_failed;
+        return tell(fmt::format("failed: {}", failure.what())), exit_code::of(failure);
     }
 }
 

@@ -53,7 +53,7 @@ int init_pipeline(const InitArguments& arguments, const Registry& registry) {
         return exit_code::done;
     } catch (const Failure& failure) {
         return complain(fmt::format("{}\n", failure.what())),
-               failure.kind == Failure::Kind::input ? exit_code::input : exit_code::usage;
+               exit_code::of(failure, exit_code::usage);
     }
 }
 

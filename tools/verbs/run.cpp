@@ -12,8 +12,20 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <utility>
 
 namespace fluidcarve {
+
+int run_built(Pipeline pipeline, const Document& document, RunArguments& arguments,
+              const Registry& registry) {
+    state_provenance(pipeline, document, registry);
+    auto request = arguments.read(pipeline);
+    if (!request) return exit_code::usage;
+    request->sources = value_sources_of(document, registry);
+    const Interrupt interrupt(request->quiet ? std::string()
+                                             : interrupted_text(request->options.cache));
+    return run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
+}
 
 namespace {
 
@@ -22,13 +34,7 @@ int run(const PipelineArguments& arguments, RunArguments& run_arguments, Registr
     const auto document = read_document(arguments.path, arguments.settings, problems);
     auto pipeline = arguments.build(document, registry, problems);
     if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
-    state_provenance(pipeline, document, registry);
-    auto request = run_arguments.read(pipeline);
-    if (!request) return exit_code::usage;
-    request->sources = value_sources_of(document, registry);
-    const Interrupt interrupt(request->quiet ? std::string()
-                                             : interrupted_text(request->options.cache));
-    return run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
+    return run_built(std::move(pipeline), document, run_arguments, registry);
 }
 
 /// @param open  whether the pipeline is a template, whose params may have no value

@@ -296,8 +296,7 @@ int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Regis
         left_out = !view.solve && field(document.nodes.find(name), "seams") &&
                    must_solve(pipeline, registry, *request);
     } catch (const Failure& failure) {
-        return complain(fmt::format("failed: {}\n", failure.what())),
-               failure.kind == Failure::Kind::input ? exit_code::input : exit_code::node_failed;
+        return complain(fmt::format("failed: {}\n", failure.what())), exit_code::of(failure);
     }
     if (left_out) {
         leave_out_seams(document.nodes.find(name)->value);
