@@ -7,26 +7,17 @@
 namespace fluidcarve {
 namespace {
 
-struct EnergyPython {
+struct EnergyPython : GridScriptNode {
     struct Params : GridScriptParams {
         float outside = 0;
     };
-    struct Ports {
-        Named<AnyGrid> inputs;
+    struct Ports : GridScriptNode::Ports {
         Ref<FloatGrid> energy;
     };
-
-    GridScript script;
 
     static void check(const Params& params, NodeCheck& check) {
         GridScript::check(params, "energy", check);
     }
-    static Further depends(const Params& params) { return script_depends(params); }
-    static bool gathers(const Params& params) { return script_gathers(params); }
-    void add(const Params& params, const Ports& io, Context& context) {
-        script.add(params, io.inputs, context);
-    }
-    void finish(const Params& params, Ports&, Context& context) { script.finish(params, context); }
     void run(const Params& params, Ports& io, Context& context) const {
         const auto energy = script.numbers(params, "energy", 0, io.inputs, context);
         // Inactive voxels are all 0 so far, the background.
@@ -41,7 +32,6 @@ NodeType energy_python() {
     Declare<EnergyPython> node("energy.python",
                                "An energy computed by your own function in Python, `energy(d, ..., "
                                "at)`, with numpy or what else you have.");
-    node.input("inputs", &EnergyPython::Ports::inputs, python_inputs_doc);
     declare_grid_script(node)
         .param("outside", &EnergyPython::Params::outside, Unit::none, at_least(0),
                "The energy where no input is active. 0: seams cost nothing in empty space, and go "

@@ -47,9 +47,27 @@ private:
     std::string found_;               ///< result of `finish`, as the worker wrote it
 };
 
-/// Adds the parameters of a GridScript node to a declaration.
+/// The base of nodes with a GridScript; each adds an output, `check` and `run`.
+struct GridScriptNode {
+    using Params = GridScriptParams;
+    struct Ports {
+        Named<AnyGrid> inputs;
+    };
+
+    GridScript script;
+
+    static Further depends(const Params& params) { return script_depends(params); }
+    static bool gathers(const Params& params) { return script_gathers(params); }
+    void add(const Params& params, const Ports& io, Context& context) {
+        script.add(params, io.inputs, context);
+    }
+    void finish(const Params& params, Ports&, Context& context) { script.finish(params, context); }
+};
+
+/// Adds the input and the parameters of a GridScriptNode to a declaration.
 template <class Declaration>
 Declaration& declare_grid_script(Declaration& node) {
+    node.input("inputs", &GridScriptNode::Ports::inputs, python_inputs_doc);
     return declare_python(node).param(
         "halo", &GridScriptParams::halo, Unit::voxels, between(0, 512),
         "Calls the function for blocks of at most 64 x 64 x 64 voxels, each with all voxels that "

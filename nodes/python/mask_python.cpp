@@ -5,24 +5,14 @@
 namespace fluidcarve {
 namespace {
 
-struct MaskPython {
-    using Params = GridScriptParams;
-    struct Ports {
-        Named<AnyGrid> inputs;
+struct MaskPython : GridScriptNode {
+    struct Ports : GridScriptNode::Ports {
         Ref<MaskGrid> mask;
     };
-
-    GridScript script;
 
     static void check(const Params& params, NodeCheck& check) {
         GridScript::check(params, "mask", check);
     }
-    static Further depends(const Params& params) { return script_depends(params); }
-    static bool gathers(const Params& params) { return script_gathers(params); }
-    void add(const Params& params, const Ports& io, Context& context) {
-        script.add(params, io.inputs, context);
-    }
-    void finish(const Params& params, Ports&, Context& context) { script.finish(params, context); }
     void run(const Params& params, Ports& io, Context& context) const {
         io.mask = script.states(params, "mask", io.inputs, context);
     }
@@ -33,7 +23,6 @@ struct MaskPython {
 NodeType mask_python() {
     Declare<MaskPython> node("mask.python",
                              "A mask computed by your own function in Python, `mask(d, ..., at)`.");
-    node.input("inputs", &MaskPython::Ports::inputs, python_inputs_doc);
     declare_grid_script(node)
         .output("mask", &MaskPython::Ports::mask, "The voxels for which the function returns true.")
         .kept()
