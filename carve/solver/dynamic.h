@@ -12,8 +12,8 @@ bool in_open_line(const EnergyVolume& energy);
 
 /// Finds seams of least energy in a volume whose columns stand in one line, as in images, by
 /// dynamic programming (Avidan and Shamir 2007). Ties are resolved as in greedy_seam(). A closed
-/// line is solved by a minimum cut. Of consecutive seams of find_seams(), each reuses the costs kept
-/// from the last one; copies share these costs.
+/// line is solved by a minimum cut. Of consecutive seams of find_seams(), each reuses the costs
+/// kept from the last one; copies share these costs.
 class DynamicSeams {
 public:
     /// @throws Failure if columns stand beside each other in more than one dimension

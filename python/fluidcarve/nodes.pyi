@@ -1249,7 +1249,7 @@ class SeamFamily:
         cache: bool = ...,
     ) -> SeamGreedy:
         """
-        Finds seams by the paper's multi-greedy search: fast, typically 5 to 40 % above the least energy.
+        Finds seams by the paper's multi-greedy search: fast, typically 5 to 50 % above the least energy.
         """
     def pyramid(
         self,
@@ -1435,7 +1435,7 @@ class TimeFamily:
         cache: bool = ...,
     ) -> TimeLoop:
         """
-        A loop of a wished length: of all parts of the sequence the one that closes best. Its last frames go over into
+        A loop of a chosen length: of all parts of the sequence the one that closes best. Its last frames go over into
         those before its first, each place when both match best there. For points it stands for time.loop_points, for
         a mesh for time.loop_mesh.
         """

@@ -23,8 +23,8 @@ struct ScheduledPass {
 };
 
 /// The TBB flow graph of one pass: frames are admitted, at most `in_flight` at once, go through the
-/// pass's nodes along the pipeline's connections, and retire. Each node of the pipeline is a node of
-/// the graph; one that gathers has a sequencer behind it, so that it consumes frames in their order.
+/// pass's nodes along the pipeline's connections, and retire. Each node of the pipeline is a node
+/// of the graph. A sequencer follows each gathering node, so that it consumes frames in order.
 class PassGraph {
 public:
     /// All must outlive it.

@@ -40,7 +40,8 @@ struct Gaps {
     std::size_t known = 0;
 };
 
-/// The lattice of a report entry in words: ", in a lattice of 28 × 26 × 130 vertices and 6 frames".
+/// The lattice of a report entry in words: ", in a lattice of 28 × 26 × 130 vertices and 6
+/// frames".
 std::string where(const SeamsEntry& entry) {
     const auto shape = numbers(entry, "shape");
     if (shape.size() != 4 ||

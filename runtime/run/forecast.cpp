@@ -86,8 +86,8 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
 std::uint64_t memory_of(const Node& node, const NodeCost& cost, const NodeWork& work,
                         std::uint64_t input_bytes, const RunOptions& options) {
     if (!work.once && work.runs == 0 && work.consumed_inputs == 0) return 0;
-    // Outputs per frame exist once per frame in flight. Digests exist until the gathering node finishes,
-    // for all frames.
+    // Outputs per frame exist once per frame in flight. Digests exist until the gathering node
+    // finishes, for all frames.
     const auto bytes = cost.bytes > 0 ? cost.bytes : input_bytes;
     const auto in_flight = std::min(static_cast<std::size_t>(options.in_flight),
                                     std::max(work.runs, work.consumed_inputs));

@@ -1,6 +1,6 @@
 #include "runtime/keep/cache.h"
 #include "runtime/keep/work_folder.h"
-#include "tests/support/keys.h"
+#include "tests/runtime/keep/keys.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 

@@ -1,6 +1,6 @@
 #include "runtime/keep/packs.h"
 #include "carve/base/failure.h"
-#include "tests/support/keys.h"
+#include "tests/runtime/keep/keys.h"
 #include "tests/support/scratch.h"
 
 #include <catch2/catch.hpp>

@@ -1,7 +1,7 @@
 #include "runtime/keep/work_folder.h"
 #include "formats/file/output_file.h"
 #include "runtime/keep/cache.h"
-#include "tests/support/keys.h"
+#include "tests/runtime/keep/keys.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
