@@ -33,7 +33,7 @@ Ref<Seams> SeamSearch::find(const Tick& tick) {
     if (thick) out->thickness = thick->thickness * finest;
     const FindSeam solver = Pyramid(Quality::normal, 16);
     const PartFinder found(energy, task, space, solver, limits_);
-    Continued search;
+    SearchOptions search;
     search.best_effort = params_.best_effort;
     search.thick = thick;
     int count = task.count;

@@ -60,21 +60,21 @@ private:
             context_.check_cancelled();
             context_.progress(done_ + share * fraction);
         };
-        Continued continued;
+        SearchOptions options;
         if (const auto& before = setup_.before.seams)
-            continued.before = part.pair ? before->pairs : before->seams;
-        continued.start_from = setup_.start_from;
-        continued.found = [&](const FoundSeams& now) {
+            options.before = part.pair ? before->pairs : before->seams;
+        options.start_from = setup_.start_from;
+        options.found = [&](const FoundSeams& now) {
             // After the last seam, the whole set is delivered anyway.
             if (part.pair || now.seams.size() < static_cast<std::size_t>(count_)) hold(now, part);
         };
-        continued.best_effort = setup_.best_effort;
-        continued.thick = setup_.thick;
+        options.best_effort = setup_.best_effort;
+        options.thick = setup_.thick;
         TaskBounds bounds(
-            setup_.bound_passes, static_cast<int>(continued.before.size()),
+            setup_.bound_passes, static_cast<int>(options.before.size()),
             [&] { context_.check_cancelled(); }, parts_.memory(), context_.work_folder());
-        continued.bounds = &bounds;
-        auto out = parts_(part, count_, tick, std::move(continued));
+        options.bounds = &bounds;
+        auto out = parts_(part, count_, tick, std::move(options));
         done_ += share;
         return out;
     }

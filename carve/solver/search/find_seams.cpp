@@ -148,27 +148,25 @@ namespace {
 /// The loop of find_seams(), search by search.
 class SeamsInTurn {
 public:
-    SeamsInTurn(EnergyVolume& volume, Seams::Kind kind, int count, Window window, bool static_,
-                const KeepSeam& keep, const Continued& continued)
+    SeamsInTurn(EnergyVolume& volume, const SeamsWanted& wanted, const SearchOptions& options)
         : volume_(volume),
-          kind_(kind),
-          count_(count),
-          window_(window),
-          static_(static_),
-          keep_(keep),
-          continued_(continued),
-          full_(continued.full),
+          kind_(wanted.kind),
+          count_(wanted.count),
+          window_(wanted.window),
+          static_(wanted.static_),
+          options_(options),
+          full_(options.full),
           width_(full_ ? full_->width : volume.width()),
-          thickness_(continued.thick ? continued.thick->thickness : 1) {
-        require_room(kind, count, window, width_, full_ ? 2 : 1);
+          thickness_(options.thick ? options.thick->thickness : 1) {
+        require_room(kind_, count_, window_, width_, full_ ? 2 : 1);
         if (inserts()) window_.last = std::min(window_.last, width_ - 2);
         if (full_) window_ = half_window(window_);
-        if (count == 0) return;
+        if (count_ == 0) return;
         thickness_ = std::min(thickness_, window_.size());
-        if (continued.thick) prices_.emplace(volume, thickness_, continued.thick->weights);
+        if (options.thick) prices_.emplace(volume, thickness_, options.thick->weights);
         else if (static_) sum_ = volume.sum();
         if (inserts() && !prices_)
-            deleted_.emplace(columns(), width_, continued.memory_budget, continued.folder);
+            deleted_.emplace(columns(), width_, options.memory_budget, options.folder);
     }
 
     FoundSeams run(const FindSeam& find, const Tick& tick) {
@@ -184,7 +182,7 @@ public:
                 if (full_)
                     blocked =
                         at_full_size(*blocked, static_cast<int>(out_.seams.size()), energy, *full_);
-                if (!continued_.best_effort) throw NoSeam(*blocked);
+                if (!options_.best_effort) throw NoSeam(*blocked);
                 out_.no_more = std::move(blocked);
                 break;
             }
@@ -194,7 +192,7 @@ public:
             const auto tell = [&](double fraction) {
                 tick((done + fraction) / (done + left_to_do));
             };
-            auto* const bounds = prices_ ? nullptr : continued_.bounds;
+            auto* const bounds = prices_ ? nullptr : options_.bounds;
             auto seam = prices_ ? find_slab(find, thickness, left, tell)
                                 : find(energy, left, searches_, tell, bounds);
             const auto end = std::chrono::steady_clock::now();
@@ -208,7 +206,7 @@ public:
                 std::chrono::duration<double>(std::chrono::steady_clock::now() - start - bounded)
                     .count();
             add(std::move(seam), thickness, seconds);
-            if (continued_.found) continued_.found(out_);
+            if (options_.found) options_.found(out_);
         }
         return std::move(out_);
     }
@@ -241,10 +239,9 @@ private:
     /// Sets the prices of slabs.
     void price(int thickness) {
         priced_.reset();
-        priced_ =
-            prices_->of(volume_, thickness,
-                        continued_.thick->weights.empty.value_or(SlabPrices::emptiness.front()),
-                        slabs_, continued_.memory_budget, continued_.folder);
+        priced_ = prices_->of(volume_, thickness,
+                              options_.thick->weights.empty.value_or(SlabPrices::emptiness.front()),
+                              slabs_, options_.memory_budget, options_.folder);
         if (static_) sum_ = priced_->sum();
     }
     /// Finds a slab. Empty slabs become dearer until the content gives its share.
@@ -252,7 +249,7 @@ private:
         // Solvers that continue from the last seam start over: prices change everywhere.
         const auto once = [&] { return find(energy(), left, 2 * searches_, tick); };
         auto out = once();
-        if (continued_.thick->weights.empty) return out;
+        if (options_.thick->weights.empty) return out;
         for (std::size_t n = 1; n < SlabPrices::emptiness.size(); ++n) {
             const auto at = whole(out.at);
             if (prices_->content_share(volume_, at, thickness,
@@ -305,7 +302,7 @@ private:
                 }
             slabs_.push_back({all, 0});
         } else {
-            if (continued_.bounds) continued_.bounds->follow(energy(), left, at, number);
+            if (options_.bounds) options_.bounds->follow(energy(), left, at, number);
             energy().remove(at, left);
         }
         taken_ += thickness;
@@ -342,7 +339,7 @@ private:
             if (prices_ && inserts())
                 for (auto& entry : one.at.all()) entry = static_cast<std::uint16_t>(entry + n);
             if (static_) one.at = repeated(one.at, all_frames());
-            if (keep_) one.at = keep_(std::move(one.at));
+            if (options_.keep) one.at = options_.keep(std::move(one.at));
             out_.seams.push_back(std::move(one));
             out_.wall_s.push_back(seconds / (some - first));
         }
@@ -352,7 +349,7 @@ private:
     /// find.
     void take_known(const Tick& tick) {
         std::vector<std::uint16_t> last;
-        const auto& before = continued_.before;
+        const auto& before = options_.before;
         for (std::size_t n = 0; n < before.size(); n += static_cast<std::size_t>(each())) {
             tick(0);
             last.assign(before[n].at.begin(),
@@ -374,7 +371,7 @@ private:
                 complete(seam, found, 0);
             }
         }
-        if (!last.empty() && continued_.start_from) continued_.start_from(last);
+        if (!last.empty() && options_.start_from) options_.start_from(last);
     }
 
     EnergyVolume& volume_;
@@ -382,8 +379,7 @@ private:
     const int count_;
     Window window_;
     const bool static_;
-    const KeepSeam& keep_;
-    const Continued& continued_;
+    const SearchOptions& options_;
     const std::optional<FullSize>& full_;
     const int width_;
     int thickness_;
@@ -399,10 +395,9 @@ private:
 
 }  // namespace
 
-FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window,
-                      const FindSeam& find, const Tick& tick, const KeepSeam& keep, bool static_,
-                      const Continued& continued) {
-    return SeamsInTurn(volume, kind, count, window, static_, keep, continued).run(find, tick);
+FoundSeams find_seams(EnergyVolume& volume, const SeamsWanted& wanted, const FindSeam& find,
+                      const Tick& tick, const SearchOptions& options) {
+    return SeamsInTurn(volume, wanted, options).run(find, tick);
 }
 
 }  // namespace fluidcarve

@@ -50,9 +50,6 @@ private:
         find_;
 };
 
-/// Moves a found seam to its storage; null: seams stay in memory.
-using KeepSeam = std::function<SeamEntries(SeamEntries)>;
-
 /// Gives the last seam of an earlier search to a solver that starts from the previous seam.
 /// @param last  its entries in the space in which it was found; those of one frame for static seams
 using StartFrom = std::function<void(std::span<const std::uint16_t> last)>;
@@ -81,7 +78,7 @@ struct FoundSeams {
     std::vector<std::size_t> blocked;    ///< per seam, number of protected vertices passed
     /// Per seam, number of attracted vertices left after it.
     std::vector<std::size_t> attracted_left;
-    /// Why there are fewer than asked for (Continued::best_effort)
+    /// Why there are fewer than asked for (SearchOptions::best_effort)
     std::optional<NoSeam> no_more = {};
 };
 
@@ -92,14 +89,25 @@ struct FullSize {
     int width;        ///< entries per column
 };
 
+/// The seams that find_seams() is to find.
+struct SeamsWanted {
+    Seams::Kind kind;
+    int count;             ///< all seams of full size, including those found before
+    Window window;         ///< original entries at full size
+    bool static_ = false;  ///< each seam is the same in all frames; it is found in the sum of the
+                           ///< frames, and the volume does not change
+};
+
 /// Options of find_seams(): an earlier search to continue, bounds, progress and memory.
-struct Continued {
+struct SearchOptions {
     std::vector<Seams::Seam> before;  ///< the set's first seams, as they were found
     StartFrom start_from;             ///< called with the last of them; null: the solver needs none
     /// Gives a lower bound to each new seam whose solver gives none; null: no bound.
     SeamBounds* bounds = nullptr;
     /// Called with all seams found so far, after each new one.
     std::function<void(const FoundSeams& found)> found;
+    /// Moves a found seam to its storage; null: seams stay in memory.
+    std::function<SeamEntries(SeamEntries)> keep;
     /// Bytes that the search may hold besides energies and seams. Beyond, it uses files in
     /// `folder`.
     std::uint64_t memory_budget = ~std::uint64_t{0};
@@ -132,13 +140,8 @@ void require_room(Seams::Kind kind, int count, Window window, int width, int fin
 /// are found in prices of their own (SlabPrices). Doubled slabs stay in the volume, and keep away
 /// from each other.
 /// @param volume  is consumed
-/// @param count   number of all seams of full size, including those found before
-/// @param window  original entries at full size
-/// @param static_   true: each seam is the same in all frames; it is found in the sum of the
-///   frames, and the volume does not change
 /// @throws Failure as require_room(); NoSeam
-FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window,
-                      const FindSeam& find, const Tick& tick, const KeepSeam& keep = nullptr,
-                      bool static_ = false, const Continued& continued = {});
+FoundSeams find_seams(EnergyVolume& volume, const SeamsWanted& wanted, const FindSeam& find,
+                      const Tick& tick, const SearchOptions& options = {});
 
 }  // namespace fluidcarve

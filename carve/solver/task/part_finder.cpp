@@ -27,17 +27,16 @@ PartFinder::PartFinder(EnergyVolume& energy, const SeamTask& task, const CarvedS
       fits_(taken_ <= limits_.memory) {}
 
 FoundSeams PartFinder::operator()(const SeamTask::Part& part, int count, const Tick& tick,
-                                  Continued search) const {
-    KeepSeam keep;
+                                  SearchOptions search) const {
     if (!fits_)
-        keep = [&](const SeamEntries& entries) {
+        search.keep = [&](const SeamEntries& entries) {
             return SeamEntries::in_file(entries, limits_.folder);
         };
     search.memory_budget = memory();
     search.folder = limits_.folder;
     if (task_.finest > 1) search.full = FullSize{columns_of(task_, space_), task_.size};
     try {
-        return find_seams(energy_, part.kind, count, part.window, find_, tick, keep, part.static_,
+        return find_seams(energy_, {part.kind, count, part.window, part.static_}, find_, tick,
                           search);
     } catch (const NoSeam& none) {
         throw Failure(why_no_more(none, task_, part, space_));

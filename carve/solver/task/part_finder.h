@@ -26,7 +26,7 @@ public:
     /// @param search  options of the search; its memory, folder and full size are set here
     /// @throws Failure saying how many seams are possible, and where the next one is blocked
     FoundSeams operator()(const SeamTask::Part& part, int count, const Tick& tick,
-                          Continued search) const;
+                          SearchOptions search) const;
 
 private:
     EnergyVolume& energy_;

@@ -370,20 +370,20 @@ TEST_CASE("seams are the same in memory, on disk, and continued on disk") {
 TEST_CASE("a search is told of the last seam before it goes on, as it was found") {
     for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert})
         for (const bool still : {false, true}) {
-            const auto find = [&](int count, Continued continued = {}) {
+            const auto find = [&](int count, SearchOptions continued = {}) {
                 EnergyVolume energy({40, 7, 3}, Axis::u, 2, ~std::uint64_t{0}, "");
                 Walker walker;
                 continued.start_from = [&](std::span<const std::uint16_t> last) {
                     walker.start_from(last);
                 };
                 return find_seams(
-                           energy, kind, count, {2, 37}, std::ref(walker), [](double) {}, nullptr,
-                           still, continued)
+                           energy, {kind, count, {2, 37}, still}, std::ref(walker), [](double) {},
+                           continued)
                     .seams;
             };
             const auto all = find(20);
             for (std::size_t count = 1; count < 20; count += 3) {
-                Continued continued;
+                SearchOptions continued;
                 continued.before.assign(all.begin(),
                                         all.begin() + static_cast<std::ptrdiff_t>(count));
                 require_same_bounds(find(20, continued), all);
@@ -393,18 +393,18 @@ TEST_CASE("a search is told of the last seam before it goes on, as it was found"
 }
 
 TEST_CASE("a pyramid of very many columns goes on as if it had never stopped") {
-    const auto find = [&](int count, const Continued& continued = {}) {
+    const auto find = [&](int count, const SearchOptions& continued = {}) {
         EnergyVolume energy({4, 1025, 1024}, Axis::u, 1, ~std::uint64_t{0}, "");
         std::mt19937 random(6);
         for (auto& code : energy.codes(0))
             code = static_cast<std::uint16_t>(20000 + random() % 16384);
         return find_seams(
-                   energy, Seams::Kind::insert, count, {0, 3}, Pyramid(Quality::draft, 1),
-                   [](double) {}, nullptr, false, continued)
+                   energy, {Seams::Kind::insert, count, {0, 3}}, Pyramid(Quality::draft, 1),
+                   [](double) {}, continued)
             .seams;
     };
     const auto all = find(2);
-    Continued continued;
+    SearchOptions continued;
     continued.before = {all.front()};
     require_same_bounds(find(2, continued), all);
 }

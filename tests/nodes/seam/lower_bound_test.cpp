@@ -251,11 +251,11 @@ TEST_CASE(
     for (const bool closed : {false, true}) {
         const auto find = [&](SeamBounds* bounds, std::vector<Seams::Seam> before = {}) {
             auto energy = SyntheticEnergy(Synthetic::smoke, 9)(shape, 18, closed);
-            Continued continued;
+            SearchOptions continued;
             continued.bounds = bounds;
             continued.before = std::move(before);
-            return find_seams(energy, Seams::Kind::remove, 5, {0, 39}, Pyramid(Quality::normal, 16),
-                              nobody, nullptr, false, continued)
+            return find_seams(energy, {Seams::Kind::remove, 5, {0, 39}},
+                              Pyramid(Quality::normal, 16), nobody, continued)
                 .seams;
         };
         const auto plain = find(nullptr);
