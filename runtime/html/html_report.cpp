@@ -25,17 +25,10 @@ using Json = nlohmann::ordered_json;
 /// Builds the page, section by section.
 class Page {
 public:
-    Page(const Pipeline& pipeline, const Registry& registry, const ValueSources& sources,
-         const Json& report, const WrittenFiles& files, const std::string& when)
-        : pipeline_(pipeline),
-          registry_(registry),
-          sources_(sources),
-          report_(report),
-          files_(files),
-          when_(when) {
-        for (const auto& [name, node] : report.at("nodes").items())
+    explicit Page(const RunShown& run) : run_(run) {
+        for (const auto& [name, node] : run.report.at("nodes").items())
             all_s_ += node.at("wall_s").get<double>();
-        for (const auto& failure : report.at("failures"))
+        for (const auto& failure : run.report.at("failures"))
             failed_.insert(failure.at("node").get<std::string>());
     }
 
@@ -46,9 +39,9 @@ public:
         pictures();
         graph();
         nodes();
-        for (const auto& [name, entry] : report_.at("seams").items()) seams(name, entry);
+        for (const auto& [name, entry] : run_.report.at("seams").items()) seams(name, entry);
         grids();
-        for (const auto& [name, section] : report_.items())
+        for (const auto& [name, section] : run_.report.items())
             if (name != "nodes" && name != "seams" && name != "grids" && name != "grids_by_frame" &&
                 section.is_object() && !section.empty())
                 others(name, section);
@@ -58,8 +51,8 @@ public:
 
 private:
     const Json* measured(const std::string& node) const {
-        const auto found = report_.at("nodes").find(node);
-        return found == report_.at("nodes").end() ? nullptr : &*found;
+        const auto found = run_.report.at("nodes").find(node);
+        return found == run_.report.at("nodes").end() ? nullptr : &*found;
     }
     static std::size_t count(const Json& node, const char* field) {
         return node.at(field).get<std::size_t>();
@@ -70,9 +63,9 @@ private:
     void section(const std::string& title) { out_ += element("h2", title) + "\n"; }
 
     std::string outcome() const {
-        const auto frames = counted(report_.at("frames").size(), "frame");
-        const auto time = duration_text(report_.at("wall_s").get<double>());
-        switch (report_.at("exit").get<int>()) {
+        const auto frames = counted(run_.report.at("frames").size(), "frame");
+        const auto time = duration_text(run_.report.at("wall_s").get<double>());
+        switch (run_.report.at("exit").get<int>()) {
             case 0: return fmt::format("Done: {} in {}", frames, time);
             case 4: return fmt::format("Done in {}, but some frames failed", time);
             case 3: return "Not run: an input is missing, unreadable or too large";
@@ -82,42 +75,43 @@ private:
     }
 
     void head() {
-        out_ = page_begin(pipeline_.name);
+        out_ = page_begin(run_.pipeline.name);
         out_ += element("p class=\"eyebrow\"",
                         fmt::format("fluidcarve {}, {}",
-                                    report_.at("fluidcarve").get<std::string>(), when_)) +
+                                    run_.report.at("fluidcarve").get<std::string>(), run_.when)) +
                 "\n";
-        out_ += element("h1", pipeline_.name) + "\n";
-        out_ += element(report_.at("exit") == 0 ? "p class=\"outcome\"" : "p class=\"outcome bad\"",
-                        outcome()) +
-                "\n<dl class=\"facts\">\n";
+        out_ += element("h1", run_.pipeline.name) + "\n";
+        out_ +=
+            element(run_.report.at("exit") == 0 ? "p class=\"outcome\"" : "p class=\"outcome bad\"",
+                    outcome()) +
+            "\n<dl class=\"facts\">\n";
         const auto add = [&](const std::string& name, const std::string& value) {
             out_ += "<div>" + element("dt", name) + element("dd", value) + "</div>\n";
         };
-        const auto frames = report_.at("frames").get<std::vector<int>>();
+        const auto frames = run_.report.at("frames").get<std::vector<int>>();
         if (!frames.empty())
             add("Frames", frames.size() == 1
                               ? FrameSet(frames).text()
                               : fmt::format("{} ({})", FrameSet(frames).text(), frames.size()));
         std::size_t results = 0, kept = 0;
-        for (const auto& [name, node] : report_.at("nodes").items()) {
+        for (const auto& [name, node] : run_.report.at("nodes").items()) {
             results += count(node, "frames");
             kept += count(node, "cached");
         }
         if (results > 0) add("From earlier runs", fmt::format("{} of {} results", kept, results));
-        for (const auto& [name, entry] : report_.at("seams").items()) {
+        for (const auto& [name, entry] : run_.report.at("seams").items()) {
             const bool inserts = word(entry, "kind") == "insert";
-            add(report_.at("seams").size() == 1 ? "Seams" : "Seams of " + name,
+            add(run_.report.at("seams").size() == 1 ? "Seams" : "Seams of " + name,
                 fmt::format("{} {}", numbers(entry, "energy").size(),
                             inserts ? "inserted" : "removed"));
         }
-        add("Time", duration_text(report_.at("wall_s").get<double>()));
-        add("Peak memory", size_text(report_.at("peak_rss_bytes").get<std::uint64_t>()));
+        add("Time", duration_text(run_.report.at("wall_s").get<double>()));
+        add("Peak memory", size_text(run_.report.at("peak_rss_bytes").get<std::uint64_t>()));
         out_ += "</dl>\n";
     }
 
     void failures() {
-        const auto& failures = report_.at("failures");
+        const auto& failures = run_.report.at("failures");
         if (failures.empty()) return;
         section("Failures");
         std::vector<int> frames;
@@ -141,16 +135,16 @@ private:
     }
 
     void warnings() {
-        if (report_.at("warnings").empty()) return;
+        if (run_.report.at("warnings").empty()) return;
         section("Warnings");
         out_ += "<ul class=\"messages\">\n";
-        for (const auto& warning : report_.at("warnings")) message(warning, "");
+        for (const auto& warning : run_.report.at("warnings")) message(warning, "");
         out_ += "</ul>\n";
     }
 
     void message(const Json& entry, const std::string& place) {
         const auto name = entry.at("node").get<std::string>();
-        const auto* const node = pipeline_.find(name);
+        const auto* const node = run_.pipeline.find(name);
         out_ += "<li>" +
                 element("small",
                         fmt::format("{}{}{}", name,
@@ -160,12 +154,12 @@ private:
 
     void pictures() {
         section("Pictures");
-        if (files_.pictures.empty())
+        if (run_.files.pictures.empty())
             out_ +=
                 "<p class=\"muted\">No node of this pipeline writes a picture. A "
                 "<code>preview.sheet</code> node draws before and after, side by side, to a "
                 "PNG file, which is then shown here.</p>\n";
-        for (const auto& picture : files_.pictures) {
+        for (const auto& picture : run_.files.pictures) {
             const auto caption = fmt::format("{}, written by {}", picture.path, picture.node);
             if (!picture.fault.empty()) {
                 out_ += element("p class=\"muted\"",
@@ -177,7 +171,7 @@ private:
             out_ += picture_figure(caption + (picture.earlier ? " in an earlier run" : ""),
                                    picture.png);
         }
-        for (const auto& page : files_.pages)
+        for (const auto& page : run_.files.pages)
             out_ += fmt::format(
                 "<p>Before and after, with a slider for the count: <a href=\"{}\">{}</a>, written "
                 "by {}</p>\n",
@@ -207,9 +201,9 @@ private:
     void graph() {
         section("Graph");
         std::vector<NodeLook> looks;
-        for (const auto& node : pipeline_.nodes) looks.push_back(look(node));
+        for (const auto& node : run_.pipeline.nodes) looks.push_back(look(node));
         out_ += "<div class=\"graph\"><div class=\"scroll\">\n" +
-                (looks.empty() ? std::string() : to_svg(pipeline_, registry_, looks)) +
+                (looks.empty() ? std::string() : to_svg(run_.pipeline, run_.registry, looks)) +
                 "</div>\n<ul class=\"legend\">\n";
         const auto chip = [&](const std::string& style, const std::string& meaning) {
             const bool shown = std::any_of(looks.begin(), looks.end(), [&](const NodeLook& look) {
@@ -228,14 +222,14 @@ private:
         chip("kept", "from earlier runs");
         chip("idle", "not in this run");
         chip("failed", "failed");
-        if (std::any_of(pipeline_.nodes.begin(), pipeline_.nodes.end(),
+        if (std::any_of(run_.pipeline.nodes.begin(), run_.pipeline.nodes.end(),
                         [](const Node& node) { return node.gathers; }))
             out_ += "<li><i class=\"gathers\"></i>heavy border: gathers all frames</li>\n";
         out_ += "</ul></div>\n";
     }
 
     void nodes() {
-        if (report_.at("nodes").empty()) return;
+        if (run_.report.at("nodes").empty()) return;
         section("Nodes");
         out_ +=
             "<p class=\"muted\">Time is the sum over all frames and threads. Memory is the largest "
@@ -247,13 +241,13 @@ private:
             "class=\"number\">memory</th><th "
             "class=\"number\">files</th></tr></thead><tbody>\n";
         double most = 0;
-        for (const auto& [name, node] : report_.at("nodes").items())
+        for (const auto& [name, node] : run_.report.at("nodes").items())
             most = std::max(most, node.at("wall_s").get<double>());
-        for (const auto& [name, node] : report_.at("nodes").items()) {
+        for (const auto& [name, node] : run_.report.at("nodes").items()) {
             const auto seconds = node.at("wall_s").get<double>();
             const auto computed = count(node, "frames") - count(node, "cached");
             const auto bytes = node.at("bytes").get<std::uint64_t>();
-            const auto written = files_.bytes.find(name);
+            const auto written = run_.files.bytes.find(name);
             const auto cell = [&](const std::string& text) {
                 out_ += element("td class=\"number\"", text);
             };
@@ -271,20 +265,20 @@ private:
                           100 * seconds / most);
             cell(computed > 0 ? duration_text(seconds / static_cast<double>(computed)) : "");
             cell(bytes > 0 ? size_text(bytes) : "");
-            cell(written != files_.bytes.end() ? size_text(written->second) : "");
+            cell(written != run_.files.bytes.end() ? size_text(written->second) : "");
             out_ += "</tr>\n";
         }
         out_ += "</tbody></table></div>\n";
     }
 
     void seams(const std::string& name, const Json& entry) {
-        section(report_.at("seams").size() == 1 ? "Seams" : "Seams of " + name);
+        section(run_.report.at("seams").size() == 1 ? "Seams" : "Seams of " + name);
         out_ += seams_html(entry);
     }
 
     void grids() {
-        const auto found = report_.find("grids");
-        if (found == report_.end()) return;
+        const auto found = run_.report.find("grids");
+        if (found == run_.report.end()) return;
         section("Carved grids");
         out_ += element("p class=\"muted\"",
                         "In world units. Mass is the mean of all frames; flicker is its mean "
@@ -330,12 +324,13 @@ private:
     void values() {
         section("Pipeline");
         out_ += "<p class=\"muted\">Every value, and where it comes from.</p>\n";
-        std::vector<std::pair<std::string, const ValueSource*>> rows{{"frames", &sources_.frames}};
-        for (const auto& [name, source] : sources_.params) rows.emplace_back(name, &source);
-        out_ += (sources_.params.empty() ? element("h3", "Frames")
-                                         : element("h3", "Frames and params")) +
+        std::vector<std::pair<std::string, const ValueSource*>> rows{
+            {"frames", &run_.sources.frames}};
+        for (const auto& [name, source] : run_.sources.params) rows.emplace_back(name, &source);
+        out_ += (run_.sources.params.empty() ? element("h3", "Frames")
+                                             : element("h3", "Frames and params")) +
                 "\n" + values_table(rows);
-        for (const auto& [name, fields] : sources_.nodes) {
+        for (const auto& [name, fields] : run_.sources.nodes) {
             std::vector<std::pair<std::string, const ValueSource*>> stated, defaults;
             for (const auto& [field, source] : fields)
                 (source.from == "default" ? defaults : stated).emplace_back(field, &source);
@@ -347,12 +342,7 @@ private:
         }
     }
 
-    const Pipeline& pipeline_;
-    const Registry& registry_;
-    const ValueSources& sources_;
-    const Json& report_;
-    const WrittenFiles& files_;
-    const std::string& when_;
+    const RunShown& run_;
     double all_s_ = 0;              ///< time of all nodes, seconds
     std::set<std::string> failed_;  ///< names of failed nodes
     std::string out_;
@@ -360,9 +350,6 @@ private:
 
 }  // namespace
 
-std::string to_html(const Pipeline& pipeline, const Registry& registry, const ValueSources& sources,
-                    const Json& report, const WrittenFiles& files, const std::string& when) {
-    return Page(pipeline, registry, sources, report, files, when).text();
-}
+std::string to_html(const RunShown& run) { return Page(run).text(); }
 
 }  // namespace fluidcarve

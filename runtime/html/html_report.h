@@ -48,13 +48,17 @@ WrittenFiles written_files(const Pipeline& pipeline, const std::vector<int>& del
                            std::filesystem::file_time_type start,
                            const std::filesystem::path& page);
 
+/// What the report page shows.
+struct RunShown {
+    const Pipeline& pipeline;
+    const Registry& registry;
+    const ValueSources& sources;           ///< of the pipeline's values
+    const nlohmann::ordered_json& report;  ///< as returned by Report::to_json
+    const WrittenFiles& files;
+    std::string when;  ///< time of the run
+};
 /// The report of a run as one self-contained HTML page, without scripts or external files. For wide
 /// and narrow, light and dark screens.
-/// @param sources  the sources of the pipeline's values
-/// @param report   the run's report, as returned by Report::to_json
-/// @param when     time of the run, as text
-std::string to_html(const Pipeline& pipeline, const Registry& registry, const ValueSources& sources,
-                    const nlohmann::ordered_json& report, const WrittenFiles& files,
-                    const std::string& when);
+std::string to_html(const RunShown& run);
 
 }  // namespace fluidcarve

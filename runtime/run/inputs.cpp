@@ -14,20 +14,23 @@ namespace {
 /// Collects what one node states about its files, or about its future inputs.
 class SurveyOf : public Survey {
 public:
+    /// What other nodes take of the node.
+    struct Taken {
+        std::set<std::string, std::less<>> outputs;
+        std::vector<Pick> picks;
+    };
     /// @param needed  frames that the run will read; nothing: all
     SurveyOf(std::size_t node, const std::vector<int>& frames,
-             const std::optional<FrameSet>& needed, std::set<std::string, std::less<>> wanted,
-             std::vector<Pick> picks, Foresight& foresight)
+             const std::optional<FrameSet>& needed, Foresight& foresight, Taken taken = {})
         : node_(node),
           frames_(frames),
           needed_(needed),
-          wanted_(std::move(wanted)),
-          picks_(std::move(picks)),
+          taken_(std::move(taken)),
           foresight_(foresight) {}
     const std::vector<int>& frames() const override { return frames_; }
     bool needs(int frame) const override { return !needed_ || needed_->contains(frame); }
-    bool wants(std::string_view output) const override { return wanted_.contains(output); }
-    const std::vector<Pick>& picks() const override { return picks_; }
+    bool wants(std::string_view output) const override { return taken_.outputs.contains(output); }
+    const std::vector<Pick>& picks() const override { return taken_.picks; }
     void stands_in(int frame, int file) override { stand_ins[frame] = file; }
     void expect(int, std::uint64_t bytes) override { most_bytes = std::max(most_bytes, bytes); }
     void leave_out(int frame) override { left_out.insert(frame); }
@@ -56,8 +59,7 @@ private:
     std::size_t node_;
     const std::vector<int>& frames_;
     const std::optional<FrameSet>& needed_;
-    const std::set<std::string, std::less<>> wanted_;
-    const std::vector<Pick> picks_;
+    const Taken taken_;
     Foresight& foresight_;
 };
 
@@ -117,7 +119,7 @@ void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<
             break;
         }
         if (!node.type->survey) continue;
-        SurveyOf of(n, frames, needed, {}, {}, foresight);
+        SurveyOf of(n, frames, needed, foresight);
         node.type->survey(node.params.get(), of);
         add_missing(node, of, out.missing);
     }
@@ -174,8 +176,8 @@ Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan,
         if (!plan.needed[n] || !node.type->survey || !node.type->inputs.empty()) continue;
         const std::vector<int> once{pipeline.frames.frames().front()};
         const auto read = frames_needed(pipeline, plan, n, deliver);
-        SurveyOf of(n, node.rate == Rate::fixed ? once : node.frames.frames(), read, wanted[n],
-                    picks[n], foresight);
+        SurveyOf of(n, node.rate == Rate::fixed ? once : node.frames.frames(), read, foresight,
+                    {wanted[n], picks[n]});
         node.type->survey(node.params.get(), of);
         for (const auto& warning : of.warnings) report.warn(n, warning);
         out.stand_ins[n] = of.stand_ins;
@@ -198,7 +200,7 @@ Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan,
         if (stand_ins.empty() || left_out.empty() || pipeline.nodes[n].rate == Rate::fixed)
             continue;
         const std::optional<FrameSet> none = FrameSet();
-        SurveyOf again(n, out.timelines.delivered(n).frames, none, {}, {}, foresight);
+        SurveyOf again(n, out.timelines.delivered(n).frames, none, foresight);
         pipeline.nodes[n].type->survey(pipeline.nodes[n].params.get(), again);
         stand_ins = again.stand_ins;
     }

@@ -84,7 +84,7 @@ int write_reports(const Pipeline& pipeline, const Registry& registry, const RunR
                                      start, request.html_path);
     const auto when = fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(std::time(nullptr)));
     return write_file("page", request.html_path,
-                      to_html(pipeline, registry, request.sources, summary, files, when), code);
+                      to_html({pipeline, registry, request.sources, summary, files, when}), code);
 }
 
 }  // namespace fluidcarve

@@ -41,7 +41,7 @@ struct PageBench {
     }
 
     std::string page() const {
-        return to_html(pipeline, registry, sources, report, files, "today");
+        return to_html({pipeline, registry, sources, report, files, "today"});
     }
 
     const Scratch scratch;
