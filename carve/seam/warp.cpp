@@ -44,12 +44,13 @@ Warp::Range around(const Warp::Range& a, const Warp::Range& b) {
 }  // namespace
 
 Warp::Warp(const std::array<int, 3>& vertices, const Rings& rings, int factor, std::size_t frames,
-           std::uint64_t memory_budget, const std::string& folder)
+           const Limits& limits)
     : vertices_(vertices),
       points_(points_of(vertices, rings, factor)),
       rings_(rings),
       factor_(factor),
-      values_(std::make_shared<FloatFrameStore>(frames, product(points_), memory_budget, folder)) {}
+      values_(std::make_shared<FloatFrameStore>(frames, product(points_), limits.memory,
+                                                limits.folder)) {}
 
 std::array<int, 3> Warp::points_of(const std::array<int, 3>& vertices, const Rings& rings,
                                    int factor) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "carve/base/frame_store.h"
+#include "carve/base/limits.h"
 #include "carve/seam/anchor.h"
 
 #include <algorithm>
@@ -29,15 +30,13 @@ public:
     };
 
     /// All values are 0 at first.
-    /// @param vertices       number of vertices along the axis, along the lateral axis and along w
-    /// @param factor         vertices from point to point: 1, 2 or 4
-    /// @param frames         number of frames; 1 if the warp is the same in all frames
-    /// @param memory_budget  bytes that may be held in memory; a larger warp is held in a file that
-    ///   disappears with the process
-    /// @param folder         for the file
+    /// @param vertices  number of vertices along the axis, along the lateral axis and along w
+    /// @param factor    vertices from point to point: 1, 2 or 4
+    /// @param frames    number of frames; 1 if the warp is the same in all frames
+    /// @param limits    a warp that needs more memory is held in a file
     /// @throws Failure if neither memory nor disk can hold the values
     Warp(const std::array<int, 3>& vertices, const Rings& rings, int factor, std::size_t frames,
-         std::uint64_t memory_budget, const std::string& folder);
+         const Limits& limits = {});
 
     /// Number of points along the axis, laterally and along w.
     static std::array<int, 3> points_of(const std::array<int, 3>& vertices, const Rings& rings,

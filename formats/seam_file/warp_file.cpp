@@ -148,8 +148,7 @@ std::vector<VolumeGrid> grids_of_warp(const Warp& warp) {
 Warp warp_of_grids(const Volume& volume, const Seams& seams, int factor) {
     const auto grids = ordered(volume, seams.frames.size());
     require_points(grids, Warp::points_of(seams.warp_vertices(), seams.warp_rings(), factor));
-    Warp out(seams.warp_vertices(), seams.warp_rings(), factor, grids.size(),
-             std::numeric_limits<std::uint64_t>::max(), {});
+    Warp out(seams.warp_vertices(), seams.warp_rings(), factor, grids.size());
     for (std::size_t t = 0; t < grids.size(); ++t) {
         read_values(*grids[t], out.points(), out.values(t));
         require_rising(out, t);

@@ -58,8 +58,7 @@ Warp read_warp(BinaryReader& in, const Seams& seams) {
     for (const auto n : Warp::points_of(seams.warp_vertices(), seams.warp_rings(), factor))
         in.require(!__builtin_mul_overflow(points, static_cast<std::uint64_t>(n), &points));
     in.require(values.size() == points);
-    Warp out(seams.warp_vertices(), seams.warp_rings(), factor, frames,
-             std::numeric_limits<std::uint64_t>::max(), {});
+    Warp out(seams.warp_vertices(), seams.warp_rings(), factor, frames);
     for (std::size_t t = 0; t < frames; ++t) {
         if (t > 0) values = in.list<float>();
         in.require(values.size() == points);

@@ -163,7 +163,7 @@ void bench_energy(const std::string& name, const std::string& path) {
 }
 
 void bench_greedy(const std::array<int, 3>& shape, std::size_t frames) {
-    EnergyVolume energy(shape, Axis::u, frames, ~std::uint64_t{0}, ".");
+    EnergyVolume energy({shape, Axis::u, frames});
     for (std::size_t t = 0; t < frames; ++t) {
         auto codes = energy.codes(t);
         std::uint32_t state = static_cast<std::uint32_t>(t) * 7919 + 1;

@@ -78,8 +78,8 @@ Picture read_png(const std::string& path) {
 
 /// What seams pay for: the energy of their pixels, or, forward, only the new edges.
 EnergyVolume costs_of(const Picture& picture, bool forward) {
-    EnergyVolume out({static_cast<int>(picture.width), static_cast<int>(picture.height), 1},
-                     Axis::u, 1, ~std::uint64_t{0}, "");
+    EnergyVolume out(
+        {{static_cast<int>(picture.width), static_cast<int>(picture.height), 1}, Axis::u, 1});
     if (forward) {
         out.add_field(1, ~std::uint64_t{0}, "");
         std::vector<std::uint16_t> codes(picture.pixels.size());

@@ -27,7 +27,7 @@ void bench_size(const std::array<int, 3>& shape, std::size_t frames, int factor)
     int cycles = 0;
     const auto warp = [&] {
         return seconds(runs, [&] {
-            Warp found(shape, {}, factor, frames, in_memory, "");
+            Warp found(shape, {}, factor, frames, {in_memory, ""});
             FrameStore weights(frames, found.values(0).size(), in_memory, "");
             find_weights(energy, typical, {}, found, weights);
             WarpTask task;

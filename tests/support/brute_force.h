@@ -188,9 +188,11 @@ inline std::array<int, 3> random_size(std::mt19937& random, int most_columns) {
 }
 
 inline EnergyVolume volume_of(const ColumnGraph& graph, int width, const CostAt& energy) {
-    EnergyVolume out({width, graph.size[0], graph.size[1]}, Axis::u,
-                     static_cast<std::size_t>(graph.size[2]), ~std::uint64_t{0}, "", graph.closed,
-                     graph.around);
+    EnergyVolume out({{width, graph.size[0], graph.size[1]},
+                      Axis::u,
+                      static_cast<std::size_t>(graph.size[2]),
+                      graph.closed,
+                      graph.around});
     for (std::size_t c = 0; c < graph.count(); ++c)
         for (int entry = 0; entry < width; ++entry)
             out.codes(c / out.columns_per_frame())[c % out.columns_per_frame() * out.stride() +

@@ -25,7 +25,7 @@ public:
 
     EnergyVolume operator()(const std::array<int, 3>& shape, std::size_t frames,
                             bool closed = false) const {
-        EnergyVolume out(shape, Axis::u, frames, ~std::uint64_t{0}, "", closed);
+        EnergyVolume out({shape, Axis::u, frames, closed});
         const auto width = static_cast<std::size_t>(shape[0]),
                    laterals = static_cast<std::size_t>(shape[1]),
                    slices = static_cast<std::size_t>(shape[2]);

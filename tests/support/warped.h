@@ -16,8 +16,7 @@ using Shift = std::function<double(int entry, int lateral, int k, int t)>;
 inline Seams warped(const Lattice& lattice, const Shift& shift, Axis axis = Axis::u,
                     std::vector<int> frames = {1}, int factor = 1, bool still = false) {
     auto out = no_seams(lattice, axis, Seams::Kind::remove, std::move(frames));
-    Warp warp(out.warp_vertices(), out.warp_rings(), factor, still ? 1 : out.frames.size(),
-              std::numeric_limits<std::uint64_t>::max(), {});
+    Warp warp(out.warp_vertices(), out.warp_rings(), factor, still ? 1 : out.frames.size());
     const auto& points = warp.points();
     for (std::size_t t = 0; t < warp.frames(); ++t) {
         auto value = warp.values(t).begin();

@@ -286,11 +286,14 @@ void SlabPrices::set_empty(EnergyVolume& prices, const EnergyVolume& volume, int
 }
 
 EnergyVolume SlabPrices::of(const EnergyVolume& volume, int thickness, float empty,
-                            std::span<const Taken> all_taken, std::uint64_t memory_budget,
-                            const std::string& folder) const {
+                            std::span<const Taken> all_taken, const Limits& limits) const {
     const int slabs = volume.width() - thickness + 1;
-    EnergyVolume out({slabs, volume.laterals(), volume.slices()}, Axis::u, volume.frames(),
-                     memory_budget, folder, volume.closed(), volume.around());
+    EnergyVolume out({{slabs, volume.laterals(), volume.slices()},
+                      Axis::u,
+                      volume.frames(),
+                      volume.closed(),
+                      volume.around()},
+                     limits);
     // The frame, and its neighbours before and behind.
     std::array<std::vector<float>, 3> frames{frame(volume, thickness, 0), {}, {}};
     frames[1] = frames[0];

@@ -55,10 +55,9 @@ public:
     /// @param volume         the measured one, perhaps with slabs removed since; must outlive the
     ///   prices
     /// @param taken          slabs from which the next one keeps away
-    /// @param memory_budget, folder  as for EnergyVolume
+    /// @param limits  as for EnergyVolume
     EnergyVolume of(const EnergyVolume& volume, int thickness, float empty,
-                    std::span<const Taken> taken, std::uint64_t memory_budget,
-                    const std::string& folder) const;
+                    std::span<const Taken> taken, const Limits& limits) const;
     /// Sets the prices of slabs without content. The other prices do not depend on `empty`.
     /// @param prices  of(volume, thickness, ..., taken)
     void set_empty(EnergyVolume& prices, const EnergyVolume& volume, int thickness, float empty,

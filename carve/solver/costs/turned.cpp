@@ -44,10 +44,13 @@ void turn(const EnergyVolume& from, std::uint64_t budget, const Read& read, cons
 
 }  // namespace
 
-EnergyVolume turned(const EnergyVolume& from, std::uint64_t budget, const std::string& folder) {
-    EnergyVolume out({static_cast<int>(from.frames()), from.laterals(), from.slices()}, Axis::u,
-                     static_cast<std::size_t>(from.width()), budget, folder, from.closed(),
-                     from.around());
+EnergyVolume turned(const EnergyVolume& from, const Limits& limits) {
+    EnergyVolume out({{static_cast<int>(from.frames()), from.laterals(), from.slices()},
+                      Axis::u,
+                      static_cast<std::size_t>(from.width()),
+                      from.closed(),
+                      from.around()},
+                     limits);
     out.set_spread(from.spread());
     turn(
         from, budget / 4, [&](std::size_t t) { return from.codes(t); },
@@ -55,7 +58,7 @@ EnergyVolume turned(const EnergyVolume& from, std::uint64_t budget, const std::s
             std::ranges::copy(codes, out.codes(layer).begin());
         });
     if (!from.has_field()) return out;
-    out.add_field(0, budget, folder);
+    out.add_field(0, limits.memory, limits.folder);
     turn(
         from, budget / 4, [&](std::size_t t) { return from.field_codes(t); },
         [&](std::size_t layer, std::span<const std::uint16_t> codes) {

@@ -11,8 +11,8 @@ namespace fluidcarve {
 /// `(j, k)` are its frames, and each vertex along u takes the place of a frame. Field weight,
 /// rigidity and marks are not set.
 /// @param from    of Axis::u, at full or half size
-/// @param budget  bytes of energies that may be held in memory, and as many of the field
+/// @param limits  of the energies; the field may take as much again
 /// @throws Failure as FrameStore
-EnergyVolume turned(const EnergyVolume& from, std::uint64_t budget, const std::string& folder);
+EnergyVolume turned(const EnergyVolume& from, const Limits& limits);
 
 }  // namespace fluidcarve

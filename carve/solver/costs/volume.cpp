@@ -14,30 +14,24 @@ namespace fluidcarve {
 
 using ColumnRange = tbb::blocked_range<std::size_t>;
 
-EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames,
-                           std::uint64_t memory_budget, const std::string& folder, bool closed,
-                           bool around)
-    : width_(shape[dimension(axis)]),
-      laterals_(shape[lateral_dimension(axis)]),
-      slices_(shape[slice_dimension(axis)]),
-      frames_(frames),
+EnergyVolume::EnergyVolume(const Shape& shape, std::vector<float> costs, const Limits& limits)
+    : width_(shape.lattice[dimension(shape.axis)]),
+      laterals_(shape.lattice[lateral_dimension(shape.axis)]),
+      slices_(shape.lattice[slice_dimension(shape.axis)]),
+      frames_(shape.frames),
       stride_(static_cast<std::size_t>(width_)),
-      closed_(closed),
-      around_(around),
-      codes_(frames, stride_ * columns_per_frame(), memory_budget, folder) {}
-
-EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames,
-                           std::vector<float> costs, bool closed, bool around)
-    : width_(shape[dimension(axis)]),
-      laterals_(shape[lateral_dimension(axis)]),
-      slices_(shape[slice_dimension(axis)]),
-      frames_(frames),
-      stride_(static_cast<std::size_t>(width_)),
-      closed_(closed),
-      around_(around),
-      codes_(frames, 0, 0, ""),
+      closed_(shape.closed),
+      around_(shape.around),
+      codes_(shape.frames, costs.empty() ? stride_ * columns_per_frame() : 0, limits.memory,
+             limits.folder),
       sums_(std::move(costs)),
       protects_(std::ranges::any_of(sums_, [](float cost) { return std::isinf(cost); })) {}
+
+EnergyVolume::EnergyVolume(const Shape& shape, const Limits& limits)
+    : EnergyVolume(shape, {}, limits) {}
+
+EnergyVolume::EnergyVolume(const Shape& shape, std::vector<float> costs)
+    : EnergyVolume(shape, std::move(costs), {}) {}
 
 void EnergyVolume::add_field(float weight, std::uint64_t memory_budget, const std::string& folder) {
     weight_ = weight;
@@ -158,8 +152,9 @@ EnergyVolume EnergyVolume::sum() const {
             sums[at] = static_cast<float>(part[n]);
         }
     });
-    EnergyVolume out({static_cast<int>(stride_), laterals_, slices_}, Axis::u, 1, std::move(sums),
-                     closed_, around_);
+    EnergyVolume out(
+        {{static_cast<int>(stride_), laterals_, slices_}, Axis::u, 1, closed_, around_},
+        std::move(sums));
     out.width_ = width_;
     out.energies_ = std::move(energies);
     out.frames_summed_ = frames();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "carve/base/frame_store.h"
+#include "carve/base/limits.h"
 #include "carve/seam/seams.h"
 #include "carve/seam/window.h"
 #include "carve/solver/costs/code.h"
@@ -40,19 +41,20 @@ public:
     /// An attracted vertex is worth a way through this many vertices of the highest energy.
     static constexpr float attraction_of_highest = 64;
 
+    struct Shape {
+        std::array<int, 3> lattice;  ///< vertices along u, v and w
+        Axis axis;                   ///< of the columns
+        std::size_t frames;
+        bool closed = false;  ///< column k = K-1 is a neighbour of k = 0
+        bool around = false;  ///< the last lateral column is a neighbour of the first
+    };
     /// A volume whose energies are all 0.
-    /// @param memory_budget  bytes of energies that may be held in memory; larger volumes use
-    ///   files in `folder`
-    /// @param closed         column k = K-1 is a neighbour of k = 0
-    /// @param around         the last lateral column is a neighbour of the first
+    /// @param limits  of the energies
     /// @throws Failure as FrameStore
-    EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames,
-                 std::uint64_t memory_budget, const std::string& folder, bool closed = false,
-                 bool around = false);
+    explicit EnergyVolume(const Shape& shape, const Limits& limits = {});
     /// A volume of 32-bit costs instead of codes.
     /// @param costs  laid out as codes, frame after frame; infinite ones are protected
-    EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames,
-                 std::vector<float> costs, bool closed, bool around = false);
+    EnergyVolume(const Shape& shape, std::vector<float> costs);
 
     /// Sets the cost of any step, in space and in time.
     void set_rigidity(const std::array<float, 2>& rigidity) { rigidity_ = rigidity; }
@@ -162,6 +164,9 @@ public:
     Met met(std::span<const std::uint16_t> at) const;
 
 private:
+    /// Holds codes if there are no costs.
+    EnergyVolume(const Shape& shape, std::vector<float> costs, const Limits& limits);
+
     /// Number of summed frames that attract at an entry.
     std::size_t attracted_at(std::size_t place) const;
     /// Adds the energy of an entry to its neighbours.

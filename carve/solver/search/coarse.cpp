@@ -140,17 +140,17 @@ EnergyVolume restricted(const EnergyVolume& energy, Window window, float barrier
             take(row, costs);
         });
     };
+    const EnergyVolume::Shape out_shape{shape, Axis::u, coarse.frames(), energy.closed(),
+                                        energy.around()};
     // Codes cannot hold costs below 0.
     if (energy.summed() || energy.attracts()) {
         std::vector<float> costs(row_size * coarse.slices() * coarse.frames());
         for_rows([&](std::size_t row, const std::vector<float>& of_row) {
             std::ranges::copy(of_row, costs.begin() + static_cast<std::ptrdiff_t>(row * row_size));
         });
-        return {shape,           Axis::u,        coarse.frames(), std::move(costs),
-                energy.closed(), energy.around()};
+        return {out_shape, std::move(costs)};
     }
-    EnergyVolume out(shape, Axis::u, coarse.frames(), ~std::uint64_t{0}, "", energy.closed(),
-                     energy.around());
+    EnergyVolume out(out_shape);
     const auto most = decode_energy(highest_energy_code);
     for_rows([&](std::size_t row, const std::vector<float>& of_row) {
         auto* const codes =

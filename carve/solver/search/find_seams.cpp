@@ -18,9 +18,9 @@ namespace {
 /// A bit for each original entry of each column: whether it is deleted.
 class Deleted {
 public:
-    Deleted(std::size_t columns, int width, std::uint64_t memory_budget, const std::string& folder)
+    Deleted(std::size_t columns, int width, const Limits& limits)
         : words_((static_cast<std::size_t>(width) + 15) / 16),
-          store_(1, columns * words_, memory_budget, folder) {}
+          store_(1, columns * words_, limits.memory, limits.folder) {}
 
     /// Deletes a seam.
     /// @param at  its entries in the space that earlier seams left; become original entries
@@ -165,8 +165,7 @@ public:
         thickness_ = std::min(thickness_, window_.size());
         if (options.thick) prices_.emplace(volume, thickness_, options.thick->weights);
         else if (static_) sum_ = volume.sum();
-        if (inserts() && !prices_)
-            deleted_.emplace(columns(), width_, options.memory_budget, options.folder);
+        if (inserts() && !prices_) deleted_.emplace(columns(), width_, options.limits);
     }
 
     FoundSeams run(const FindSeam& find, const Tick& tick) {
@@ -241,7 +240,7 @@ private:
         priced_.reset();
         priced_ = prices_->of(volume_, thickness,
                               options_.thick->weights.empty.value_or(SlabPrices::emptiness.front()),
-                              slabs_, options_.memory_budget, options_.folder);
+                              slabs_, options_.limits);
         if (static_) sum_ = priced_->sum();
     }
     /// Finds a slab. Empty slabs become dearer until the content gives its share.

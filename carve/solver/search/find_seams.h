@@ -108,10 +108,7 @@ struct SearchOptions {
     std::function<void(const FoundSeams& found)> found;
     /// Moves a found seam to its storage; null: seams stay in memory.
     std::function<SeamEntries(SeamEntries)> keep;
-    /// Bytes that the search may hold besides energies and seams. Beyond, it uses files in
-    /// `folder`.
-    std::uint64_t memory_budget = ~std::uint64_t{0};
-    std::string folder;
+    Limits limits;  ///< of what the search holds besides energies and seams
     /// Set if the energy is at half size; then `before` must be empty
     std::optional<FullSize> full;
     std::optional<Thick> thick;  ///< nothing: each seam takes one entry

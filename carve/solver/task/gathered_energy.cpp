@@ -157,10 +157,11 @@ std::vector<std::string> GatheredEnergy::warnings() const {
 EnergyVolume GatheredEnergy::room(const std::array<int, 3>& shape, std::size_t frames,
                                   const SolverParams& params, const Limits& limits,
                                   std::uint64_t budget) const {
-    EnergyVolume out(gathered_shape(shape, finest_), sampled_axis(params.axis),
-                     finest_ == 2 ? halved(frames) : frames, budget, limits.folder,
-                     lattices_.front()->closed && params.axis != Axis::w,
-                     lattices_.front()->around);
+    EnergyVolume out(
+        {gathered_shape(shape, finest_), sampled_axis(params.axis),
+         finest_ == 2 ? halved(frames) : frames,
+         lattices_.front()->closed && params.axis != Axis::w, lattices_.front()->around},
+        {budget, limits.folder});
     const int spread = params.spread.value_or(forward_ ? 3 : 0);
     out.set_spread(finest_ == 2 ? halved(spread) : spread);
     if (forward_) out.add_field(0, budget, limits.folder);
@@ -214,7 +215,7 @@ GatheredEnergy::Taken GatheredEnergy::take_unpriced(const SolverParams& params,
     auto out = space.carved() ? carved(params, space, limits) : whole();
     energy_.reset();
     if (params.axis != Axis::t) return out;
-    auto in_time = turned(out.energy, left_beside(out.energy, limits), limits.folder);
+    auto in_time = turned(out.energy, {left_beside(out.energy, limits), limits.folder});
     in_time.hand_on_edges();
     in_time.step_freely_in_nothing();
     const auto typical = Typical::of(in_time);

@@ -32,8 +32,7 @@ FoundSeams PartFinder::operator()(const SeamTask::Part& part, int count, const T
         search.keep = [&](const SeamEntries& entries) {
             return SeamEntries::in_file(entries, limits_.folder);
         };
-    search.memory_budget = memory();
-    search.folder = limits_.folder;
+    search.limits = {memory(), limits_.folder};
     if (task_.finest > 1) search.full = FullSize{columns_of(task_, space_), task_.size};
     try {
         return find_seams(energy_, {part.kind, count, part.window, part.static_}, find_, tick,

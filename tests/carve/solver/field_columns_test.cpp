@@ -37,7 +37,7 @@ Codes random_field(std::mt19937& random, std::size_t columns, int width) {
 /// A volume with energies in multiples of 1/4.
 EnergyVolume random_energy(std::mt19937& random, std::size_t columns, int width,
                            std::size_t frames) {
-    EnergyVolume out({width, static_cast<int>(columns), 1}, Axis::u, frames, ~std::uint64_t{0}, "");
+    EnergyVolume out({{width, static_cast<int>(columns), 1}, Axis::u, frames});
     for (std::size_t t = 0; t < frames; ++t)
         for (auto& code : out.codes(t))
             code = random() % 8 == 0 ? protected_code

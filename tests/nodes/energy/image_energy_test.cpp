@@ -47,7 +47,7 @@ Image part_of(const std::string& path, int x, int y, int width, int height) {
 }
 
 EnergyVolume energies_of(const FloatGrid& energy, int width, int height) {
-    EnergyVolume out({width, height, 1}, Axis::u, 1, ~std::uint64_t{0}, "");
+    EnergyVolume out({{width, height, 1}, Axis::u, 1});
     sample_energy(energy, make_box(openvdb::Vec3d(0), {width, height, 1}, 1, {0, 1, 2}), Axis::u,
                   out.codes(0));
     return out;

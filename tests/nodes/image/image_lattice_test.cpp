@@ -46,12 +46,12 @@ std::size_t dark(const Volume& volume) {
 Seams pairs_in(const Volume& volume, const Lattice& lattice, Seams::Kind kind, int count,
                Window window, Window pair_window) {
     auto out = test::no_seams(lattice, Axis::u, kind);
-    EnergyVolume energy(lattice.shape, Axis::u, 1, ~std::uint64_t{0}, "", lattice.closed);
+    EnergyVolume energy({lattice.shape, Axis::u, 1, lattice.closed});
     sample_energy(*image_energy(volume), lattice, Axis::u, energy.codes(0));
     out.pairs = find_seams(energy, {opposite(kind), count, pair_window},
                            Pyramid(Quality::normal, 16), [](double) {})
                     .seams;
-    EnergyVolume again(lattice.shape, Axis::u, 1, ~std::uint64_t{0}, "", lattice.closed);
+    EnergyVolume again({lattice.shape, Axis::u, 1, lattice.closed});
     sample_energy(*image_energy(volume), lattice, Axis::u, again.codes(0));
     out.seams =
         find_seams(again, {kind, count, window}, Pyramid(Quality::normal, 16), [](double) {}).seams;

@@ -24,7 +24,7 @@ namespace {
 EnergyVolume volume(const std::array<int, 3>& shape, Axis axis, std::size_t frames,
                     const std::function<float(std::size_t t, std::size_t n)>& energy,
                     bool closed = false) {
-    EnergyVolume out(shape, axis, frames, ~std::uint64_t{0}, "", closed);
+    EnergyVolume out({shape, axis, frames, closed});
     for (std::size_t t = 0; t < frames; ++t)
         for (std::size_t n = 0; n < out.codes(t).size(); ++n)
             out.codes(t)[n] = encode_energy(energy(t, n));

@@ -371,7 +371,7 @@ TEST_CASE("a search is told of the last seam before it goes on, as it was found"
     for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert})
         for (const bool still : {false, true}) {
             const auto find = [&](int count, SearchOptions continued = {}) {
-                EnergyVolume energy({40, 7, 3}, Axis::u, 2, ~std::uint64_t{0}, "");
+                EnergyVolume energy({{40, 7, 3}, Axis::u, 2});
                 Walker walker;
                 continued.start_from = [&](std::span<const std::uint16_t> last) {
                     walker.start_from(last);
@@ -394,7 +394,7 @@ TEST_CASE("a search is told of the last seam before it goes on, as it was found"
 
 TEST_CASE("a pyramid of very many columns goes on as if it had never stopped") {
     const auto find = [&](int count, const SearchOptions& continued = {}) {
-        EnergyVolume energy({4, 1025, 1024}, Axis::u, 1, ~std::uint64_t{0}, "");
+        EnergyVolume energy({{4, 1025, 1024}, Axis::u, 1});
         std::mt19937 random(6);
         for (auto& code : energy.codes(0))
             code = static_cast<std::uint16_t>(20000 + random() % 16384);

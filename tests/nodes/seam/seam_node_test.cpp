@@ -45,7 +45,7 @@ std::vector<FloatGrid::Ptr> noise(std::mt19937& random, const std::array<int, 3>
 }
 
 EnergyVolume volume_of(const std::vector<FloatGrid::Ptr>& energy, const std::array<int, 3>& shape) {
-    EnergyVolume out(shape, Axis::u, energy.size(), ~std::uint64_t{0}, "");
+    EnergyVolume out({shape, Axis::u, energy.size()});
     for (std::size_t t = 0; t < energy.size(); ++t)
         for (std::size_t n = 0; n < out.codes(t).size(); ++n) {
             const auto width = static_cast<std::size_t>(shape[0]),

@@ -20,7 +20,7 @@ using openvdb::CoordBBox;
 namespace {
 
 EnergyVolume column_of(const std::vector<float>& energies) {
-    EnergyVolume out({static_cast<int>(energies.size()), 1, 1}, Axis::u, 1, ~std::uint64_t{0}, "");
+    EnergyVolume out({{static_cast<int>(energies.size()), 1, 1}, Axis::u, 1});
     for (std::size_t n = 0; n < energies.size(); ++n) out.codes(0)[n] = encode_energy(energies[n]);
     return out;
 }
@@ -70,7 +70,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a still seam hands on in the sum") {
-    EnergyVolume energy({4, 1, 1}, Axis::u, 2, ~std::uint64_t{0}, "");
+    EnergyVolume energy({{4, 1, 1}, Axis::u, 2});
     for (std::size_t t = 0; t < 2; ++t)
         for (std::size_t n = 0; n < 4; ++n)
             energy.codes(t)[n] = encode_energy(static_cast<float>(n + 1));
