@@ -2,9 +2,6 @@
 
 #include "carve/solver/costs/volume.h"
 
-#include <cstdint>
-#include <string>
-
 namespace fluidcarve {
 
 /// An energy with time and `u` exchanged, for seams of frames (Axis::t): the entries of a column
