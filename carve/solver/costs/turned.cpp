@@ -15,18 +15,16 @@ constexpr std::size_t block_bytes = std::size_t{64} << 20;  ///< at least
 
 /// Exchanges time and u of one list of codes per frame, some layers at once. All frames are read
 /// for each block of layers.
-/// @param limits.memory  bytes that may be held
+/// @param budget  bytes that may be held
 /// @param read    gives a frame's codes
 /// @param write   takes a layer's codes
 template <class Read, class Write>
-void turn(const EnergyVolume& from, std::uint64_t limits.memory, const Read& read,
-          const Write& write) {
+void turn(const EnergyVolume& from, std::uint64_t budget, const Read& read, const Write& write) {
     const std::size_t columns = from.columns_per_frame(), frames = from.frames(),
                       layers = static_cast<std::size_t>(from.width()), stride = from.stride(),
                       layer = columns * frames,
                       block = std::clamp<std::size_t>(
-                          std::max<std::size_t>(block_bytes, limits.memory) / (2 * layer), 1,
-                          layers);
+                          std::max<std::size_t>(block_bytes, budget) / (2 * layer), 1, layers);
     std::vector<std::uint16_t> codes;
     for (std::size_t first = 0; first < layers; first += block) {
         const auto count = std::min(block, layers - first);
