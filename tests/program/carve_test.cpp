@@ -340,7 +340,8 @@ TEST_CASE("init knows fire, particles and images, and takes a folder's longest s
     CHECK_THAT(carved.err, Catch::Contains("name one of them: "));
 }
 
-TEST_CASE("carve makes particles and level sets narrower by a warp, unless seams are asked for") {
+TEST_CASE(
+    "carve makes particles, meshes and level sets narrower by a warp, unless told to use seams") {
     const Scratch scratch;
     std::string cube =
         "ply\nformat ascii 1.0\nelement vertex 4096\nproperty float x\nproperty float y\nproperty "
@@ -366,6 +367,10 @@ TEST_CASE("carve makes particles and level sets narrower by a warp, unless seams
                Catch::Contains("seams: {type: seam.pyramid"));
     CHECK_THAT(fluidcarve_program("carve tests/data/plume/plume.0051.vdb -4 -o " +
                                   (scratch / "out.vdb") + " --solver warp --print-pipeline")
+                   .out,
+               Catch::Contains("seams: {type: warp.solve"));
+    CHECK_THAT(fluidcarve_program("carve tests/data/river/riverbank.obj -20% -o " +
+                                  (scratch / "out.obj") + " --print-pipeline")
                    .out,
                Catch::Contains("seams: {type: warp.solve"));
     REQUIRE(fluidcarve_program("carve " + file + " -20% -o " + (scratch / "out.ply")).code == 0);

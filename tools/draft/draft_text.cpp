@@ -162,7 +162,7 @@ void DraftText::image() {
 
 void DraftText::mesh() {
     read_protected();
-    comment("The mesh, and the distance to its faces, in which seams are found.");
+    comment("The mesh, and the distance to its faces, from which the carve is found.");
     node("sim", "mesh.read", {{"path", "\"${sim}\""}});
     node("surface", "sdf.from_mesh",
          {{"mesh", "sim"}, {"voxel_size", fmt::format("{:.6g}", contents_.voxel)}});

@@ -119,7 +119,7 @@ std::string wrong_request(const CarveArguments& arguments, const Registry& regis
 void declare_solving(CLI::App& verb, CarveArguments& carve) {
     verb.add_option("--solver", carve.solver,
                     "What finds the seams, a type of the family `seam`, such as pyramid (default: "
-                    "pyramid; for level sets and particles --warp)")
+                    "pyramid; for level sets, particles and meshes --warp)")
         ->type_name("SOLVER");
     verb.add_flag("--warp", carve.warp,
                   "Squeeze or draw out without seams, also by fractions of a voxel");
