@@ -227,7 +227,7 @@ private:
         const auto frames = params.static_ ? std::size_t{1} : set.frames.size();
         const int factor = warp_factor_for(params, set, frames);
         auto& warp = set.warp.emplace(set.warp_vertices(), set.warp_rings(), factor, frames,
-                                      context.memory_budget(), context.work_folder());
+                                      context.limits());
         FrameStore weights(frames, warp.values(0).size(), context.memory_budget(),
                            context.work_folder());
         find_weights(taken.energy, taken.typical,

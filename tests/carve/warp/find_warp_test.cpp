@@ -27,8 +27,7 @@ struct Found {
     Found(const std::array<int, 4>& size, const std::function<double(int, int, int, int)>& weight,
           const Warp::Rings& rings = {})
         : size(size),
-          warp({size[0], size[1], size[2]}, rings, 1, static_cast<std::size_t>(size[3]), no_limit,
-               ""),
+          warp({size[0], size[1], size[2]}, rings, 1, static_cast<std::size_t>(size[3])),
           weights(warp.frames(), warp.values(0).size(), no_limit, "") {
         task.window = {0, size[0] - 1};
         task.shares.assign(static_cast<std::size_t>(size[2] * size[3]), 1.0f);

@@ -287,8 +287,7 @@ TEST_CASE(
 TEST_CASE("a warp beyond the budget is held in a file, and is the same") {
     const Scratch scratch;
     const std::array vertices{7, 5, 3};
-    Warp in_file(vertices, {}, 1, 4, {100, scratch / "work"}),
-        in_memory(vertices, {}, 1, 4, ~std::uint64_t{0}, {});
+    Warp in_file(vertices, {}, 1, 4, {100, scratch / "work"}), in_memory(vertices, {}, 1, 4);
     for (auto* const warp : {&in_file, &in_memory}) {
         for (std::size_t t = 0; t < 4; ++t)
             for (std::size_t n = 0; n < warp->values(t).size(); ++n)
