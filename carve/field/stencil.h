@@ -121,8 +121,7 @@ typename Out::Ptr filled(const typename Out::TreeType::Ptr& tree, const In& in, 
 /// A grid with the active voxels and transform of `in`: active values are `op(reader of in,
 /// voxel)`, the background is `background`.
 /// @param op  called from many threads with an accessor or a Neighbourhood; may read the 26
-///   neighbours. Called once for the inside of an active tile, where all
-///            neighbourhoods are equal
+///   neighbours. Called once for the inside of an active tile, where all neighbourhoods are equal
 /// @throws Failure as refuse_not_finite if an active value of `in` or a result is not finite
 template <class Out, class In, class Op>
 typename Out::Ptr map_stencil(const In& in, const typename Out::ValueType& background,

@@ -36,8 +36,8 @@ private:
     XXH3_state_t state_;
 };
 
-constexpr double least_volume =
-    1e-6;  ///< smallest volume of a box's cell, cubic spacings; flatter cells have no inverse
+/// Smallest volume of a box's cell, cubic spacings; flatter cells have no inverse.
+constexpr double least_volume = 1e-6;
 
 bool near(const Vec3d& a, const Vec3d& b, double tolerance) {
     return (a - b).length() <= tolerance;

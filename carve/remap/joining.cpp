@@ -16,11 +16,11 @@ constexpr double soft_of_thin = 3;  ///< vertices
 
 constexpr double soft_of_thickness = 1.4, fade_of_thickness = 1.2;
 
-constexpr double across_of_thickness =
-    0.5;  ///< the squeeze follows the seam's surface, but not its steps
+/// The squeeze follows the seam's surface, but not its steps.
+constexpr double across_of_thickness = 0.5;
 
-constexpr double beside_fade =
-    3;  ///< vertices: a squeeze reaches this far beyond the fade that accompanies it
+/// Vertices: a squeeze reaches this far beyond the fade that accompanies it.
+constexpr double beside_fade = 3;
 
 Join join_of(const JoinParams& params, bool thick) {
     return params.join.value_or(params.soft            ? Join::squeeze

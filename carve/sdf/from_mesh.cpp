@@ -28,8 +28,8 @@ using openvdb::Vec3s;
 
 constexpr double most_voxels = 1e9;
 
-constexpr double farthest =
-    1 << 22;  ///< maximum distance from the origin, voxels: floats still resolve half a voxel there
+/// Maximum distance from the origin, voxels: floats still resolve half a voxel there.
+constexpr double farthest = 1 << 22;
 
 /// Upper bound on the number of voxels in a band around triangles. All lengths in voxels.
 class BandSize {

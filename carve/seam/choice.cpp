@@ -15,8 +15,8 @@ namespace {
 constexpr int most_rows = 128;   ///< of a plane
 constexpr int most_planes = 32;  ///< of a frame
 
-constexpr std::size_t parts =
-    8;  ///< how many numbers of seams are compared, in equal steps up to all, besides none
+/// How many numbers of seams are compared, in equal steps up to all, besides none.
+constexpr std::size_t parts = 8;
 
 constexpr float visible_share = 0.02f;  ///< of the greatest value of a frame: lower values are
                                         ///< empty space

@@ -25,9 +25,9 @@ using openvdb::CoordBBox;
 using openvdb::Vec3d;
 using openvdb::Vec3s;
 
-constexpr float width =
-    1.5f;                  ///< voxels: standard deviation of the window in which motion is alike
-constexpr int rounds = 5;  ///< of correction
+/// Voxels: standard deviation of the window in which motion is alike.
+constexpr float width = 1.5f;
+constexpr int rounds = 5;          ///< of correction
 constexpr float most_step = 1.5f;  ///< voxels by which a round corrects at most
 /// Resistance against correction, as shares of the structure tensor's trace: of the largest one,
 /// and of the place's own.

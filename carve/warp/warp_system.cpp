@@ -17,10 +17,10 @@ namespace {
 using ColumnRange = tbb::blocked_range<std::size_t>;
 
 constexpr std::size_t columns_at_once = 64;
-constexpr std::size_t columns_together =
-    4;  ///< columns solved together, so that the divisions of one do not wait for each other
-constexpr std::size_t coarsest_columns =
-    8;  ///< a level of at most so many columns is solved by sweeps alone
+/// Columns solved together, so that the divisions of one do not wait for each other.
+constexpr std::size_t columns_together = 4;
+/// A level of at most so many columns is solved by sweeps alone.
+constexpr std::size_t coarsest_columns = 8;
 constexpr int coarsest_sweeps = 16;
 constexpr int coarse_cycles = 2;  ///< of a coarser level in each cycle of the next finer one
 /// A dimension whose coupling is below this share of the strongest is coarsened later than the

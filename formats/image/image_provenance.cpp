@@ -13,8 +13,8 @@ using namespace std::string_view_literals;
 
 constexpr auto png_start = "\x89PNG\r\n\x1a\n"sv, jpeg_start = "\xff\xd8"sv,
                exr_start = "\x76\x2f\x31\x01"sv;
-constexpr std::uint64_t png_header =
-    8 + 4 + 4 + 13 + 4;  ///< bytes of the signature and the first chunk
+/// Bytes of the signature and the first chunk.
+constexpr std::uint64_t png_header = 8 + 4 + 4 + 13 + 4;
 constexpr auto app9 = "\xff\xe9"sv, segment_owner = "fluidcarve\0"sv;
 constexpr std::uint64_t most_text = 1 << 20;  ///< bytes of an entry that is read
 

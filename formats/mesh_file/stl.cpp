@@ -17,8 +17,8 @@ using Attribute = Mesh::Attribute;
 using openvdb::Vec3d;
 
 constexpr std::size_t head_bytes = 80, triangle_bytes = 50;
-constexpr auto extra_type =
-    Attribute::Type::uint16;  ///< type of the last two bytes of a binary triangle
+/// Type of the last two bytes of a binary triangle.
+constexpr auto extra_type = Attribute::Type::uint16;
 
 template <class T>
 T little_endian(const char* bytes) {

@@ -40,8 +40,8 @@ struct Unsaid {
 /// Writes a PLY file if the path ends in .ply, else a VDB file. Undoes the placement; in a PLY file
 /// the half-voxel offset stays, since PLY has no voxels. The file appears whole or not at all.
 /// @param beside     further grids for a VDB file, or null. The points replace a point grid of the
-///   same name, else they come last. Its
-///                   metadata and codec have precedence over those of the points
+///   same name, else they come last. Its metadata and codec have precedence over those of the
+///   points
 /// @param encoding   for a PLY file; null: as it was read, or little-endian
 /// @param placement  the placement to undo; null: that of the reader
 /// @param provenance  what the file states of how it was made

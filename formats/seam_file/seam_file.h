@@ -19,9 +19,8 @@ Volume seams_to_volume(const Seams& seams);
 
 /// Converts such a volume back to seams, or a warp. Does not check that neighbouring entries are
 /// feasible. Takes memory only for what the grids hold, whatever the metadata states.
-/// @throws Failure (input), without the file's name, if anything is missing, not a whole number, or
-///   out of range, or if there is a checksum
-///         and it does not match
+/// @throws Failure (input), without the file's name, if anything is missing, not a whole number,
+///   or out of range, or if there is a checksum and it does not match
 Seams seams_from_volume(const Volume& volume);
 
 /// Writes a seam file, whole or not at all.

@@ -15,8 +15,8 @@ namespace fluidcarve {
 namespace {
 
 constexpr auto ascii = Letters::ascii;
-constexpr std::size_t most_bytes =
-    60'000;  ///< largest size of a text: an entry then fits into a segment of a JPEG file
+/// Largest size of a text: an entry then fits into a segment of a JPEG file.
+constexpr std::size_t most_bytes = 60'000;
 
 std::string unless_long(const std::string& text) {
     return text.size() <= most_bytes ? text

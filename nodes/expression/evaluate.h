@@ -12,8 +12,7 @@ namespace fluidcarve {
 /// their stored value, mostly the background. A tile in all inputs becomes a tile of the result,
 /// unless the program uses the voxel's position.
 /// @param inputs  name and grid: float, vector or mask, all with the same transform. A mask reads
-///   as 1 and 0, a staggered vector grid is
-///                collocated first
+///   as 1 and 0, a staggered vector grid is collocated first
 /// @param least   smallest allowed result, or -infinity
 /// @param budget  limit of the result's size, bytes
 /// @param place   converts a place in the program to text, for messages

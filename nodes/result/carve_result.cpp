@@ -26,10 +26,10 @@ constexpr double same_share = 1e-4,
                  same_voxels = 0.01;    ///< smaller changes of mass and place count as none
 constexpr double nothing_share = 1e-6;  ///< share of the mass that counts as nothing left
 constexpr double much_mass = 1.0 / 3;   ///< change of the mass from which on there is a warning
-constexpr double unlike_even =
-    0.2;  ///< least difference from the change by even scaling to the same size, for a warning
-constexpr double steady_voxels =
-    1.5;  ///< an end of the content that moves by fewer voxels over the sequence stands still
+/// Least difference from the change by even scaling to the same size, for a warning.
+constexpr double unlike_even = 0.2;
+/// An end of the content that moves by fewer voxels over the sequence stands still.
+constexpr double steady_voxels = 1.5;
 constexpr double far_voxels = 5;  ///< displacement of the source from which on there is a warning
 
 Json to_json(const Vec3d& vector) { return Json::array({vector.x(), vector.y(), vector.z()}); }

@@ -17,9 +17,8 @@ struct FarmRequest {
     bool chunk_ranges = true;  ///< of OpenJD: chunks use the extension TASK_CHUNKING; false: they
                                ///< are pairs of first and last frame
     bool quiet = false;        ///< print failures only
-    std::function<bool()> cancelled = [] {
-        return false;
-    };  ///< called often; true: end all started tasks soon
+    /// Called often; true: end all started tasks soon.
+    std::function<bool()> cancelled = [] { return false; };
 };
 
 /// Runs the steps of a job, or writes them in the format of a scheduler.

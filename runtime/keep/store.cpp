@@ -10,8 +10,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t most_alternatives =
-    16;  ///< remembered contents of a writer's files, per result
+/// Remembered contents of a writer's files, per result.
+constexpr std::size_t most_alternatives = 16;
 
 }  // namespace
 

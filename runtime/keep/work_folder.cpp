@@ -31,8 +31,8 @@ constexpr auto mark_text =
     "can compute again.\n# `fluidcarve clean` removes them.\n";
 constexpr std::string_view mark_line = "# A work folder of fluidcarve";
 constexpr auto unasked = std::chrono::hours(24 * 30);
-constexpr auto forgotten =
-    std::chrono::hours(24);  ///< age at which a temporary file counts as left by a killed run
+/// Age at which a temporary file counts as left by a killed run.
+constexpr auto forgotten = std::chrono::hours(24);
 
 bool is_hex(std::string_view text, std::size_t length) {
     return text.size() == length && std::ranges::all_of(text, [](char c) {

@@ -44,9 +44,9 @@ struct Plan {
     /// Per node: whether it is a gathering node of which only the digests are wanted.
     std::vector<bool> digested;
     std::vector<bool> needed;  ///< per node: whether it is a target or upstream of one
-    std::vector<bool>
-        in_sequence;  ///< per node: whether a gathering node needs it, and so in every
-                      ///< frame, not only in delivered ones
+    /// Per node: whether a gathering node needs it, and so in every frame, not only in delivered
+    /// ones.
+    std::vector<bool> in_sequence;
     std::vector<std::size_t> gathered_in;  ///< per node: the pass in which it gathers, if it does
 };
 

@@ -88,10 +88,8 @@ struct Share {
     std::size_t runs = 0;    ///< frames that the run computes; the others are cached
     /// Only the digests of a gathering node are wanted; `frames` and `runs` then count these.
     bool only_digests = false;
-    std::size_t
-        consumed_inputs = 0,
-        consumed_digests =
-            0;  ///< for a gathering node: frames taken from its inputs, and from cached digests
+    /// For a gathering node: frames taken from its inputs, and from cached digests.
+    std::size_t consumed_inputs = 0, consumed_digests = 0;
 };
 
 /// @param uncached  the schedule of the same plan with an empty cache

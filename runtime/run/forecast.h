@@ -19,10 +19,8 @@ struct Forecast {
         std::size_t frames = 0;  ///< frames that the run needs
         std::size_t cached = 0;  ///< frames whose results are cached
         std::string why;         ///< why the node runs; empty if it does not
-        std::size_t
-            taken = 0,
-            taken_cached =
-                0;  ///< for a gathering node: frames that it takes; of these, from cached digests
+        /// For a gathering node: frames that it takes; of these, from cached digests.
+        std::size_t taken = 0, taken_cached = 0;
         std::string item = {};  ///< what its growing result (Growth) holds; empty: it has none
     };
     struct Pass {
@@ -49,10 +47,8 @@ struct Forecast {
 struct NodeWork {
     bool once = false;     ///< it finishes, or runs once
     std::size_t runs = 0;  ///< frames that it computes
-    std::size_t
-        consumed_inputs = 0,
-        consumed_digests =
-            0;  ///< for a gathering node: frames taken from its inputs, and from cached digests
+    /// For a gathering node: frames taken from its inputs, and from cached digests.
+    std::size_t consumed_inputs = 0, consumed_digests = 0;
 };
 /// Estimated bytes of memory that a node takes.
 /// @param cost  in the setting of the run

@@ -20,9 +20,9 @@ struct RunRequest {
     std::string manifest_path{};  ///< empty: no manifest
     ValueSources sources{};       ///< sources of the pipeline's values, for the page
     ProgressStyle progress = ProgressStyle::none;
-    std::optional<double>
-        wait{};          ///< seconds to wait for results of other runs in the work folder,
-                         ///< which this run then does not make; nothing: it makes them
+    /// Seconds to wait for results of other runs in the work folder, which this run then does not
+    /// make; nothing: it makes them.
+    std::optional<double> wait{};
     std::string task{};  ///< JOB/STEP: this run is a task of a farm's job, and is recorded as one;
                          ///< empty: it is not
     bool quiet = false;  ///< print failures only

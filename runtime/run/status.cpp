@@ -23,10 +23,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double silent_seconds =
-    30;  ///< seconds without an update after which a run on another machine counts as killed
-constexpr std::size_t most_ended =
-    10;  ///< number of ended runs whose status files stay in the work folder
+/// Seconds without an update after which a run on another machine counts as killed.
+constexpr double silent_seconds = 30;
+/// Number of ended runs whose status files stay in the work folder.
+constexpr std::size_t most_ended = 10;
 
 double now() {
     return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch())

@@ -13,8 +13,8 @@ namespace fluidcarve {
 
 namespace {
 
-constexpr double widths_of_half =
-    1.5;  ///< width of an eddy, in distances at which the correlation is a half
+/// Width of an eddy, in distances at which the correlation is a half.
+constexpr double widths_of_half = 1.5;
 constexpr std::size_t most_lags = 256;        ///< vertices: eddies are hardly wider
 constexpr std::size_t most_columns = 20'000;  ///< measured columns; more are not needed
 

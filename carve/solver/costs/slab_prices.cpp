@@ -18,8 +18,8 @@ namespace fluidcarve {
 namespace {
 
 constexpr float slope_weight = 4;  ///< of differences of slope, beside differences of value
-constexpr float level_of_mean =
-    0.5f;  ///< field at which visibility is a half, in mean fields of content
+/// Field at which visibility is a half, in mean fields of content.
+constexpr float level_of_mean = 0.5f;
 constexpr double outline_price = 1;  ///< of an outline in a slab, in mean prices of content
 constexpr double keep_away = 3;      ///< factor by which a slab is dearer where another was taken
 constexpr double away = 3;           ///< distance from a taken slab up to which slabs are dearer,

@@ -18,8 +18,8 @@ public:
     OpenLine& operator=(const OpenLine&) = delete;
 
     /// @param number  of seams found before. If it is one more than at the last call, for the same
-    ///   energy and the same window without its last entry,
-    ///                then only the last seam may have been deleted since (find_seams())
+    ///   energy and the same window without its last entry, then only the last seam may have been
+    ///   deleted since (find_seams())
     Seams::Seam operator()(const EnergyVolume& energy, Window window, int number);
 
 private:

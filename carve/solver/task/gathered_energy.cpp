@@ -20,14 +20,14 @@ namespace fluidcarve {
 
 namespace {
 
-constexpr float default_rigidity =
-    0.2f;  ///< with a field; in mean energies of content, of thick seams in mean prices
+/// With a field; in mean energies of content, of thick seams in mean prices.
+constexpr float default_rigidity = 0.2f;
 constexpr float rigidity_of_frames = 2;  ///< of thin seams of frames
-constexpr double least_across =
-    1.2;  ///< eddies side by side, from which on seams are thick by default
+/// Eddies side by side, from which on seams are thick by default.
+constexpr double least_across = 1.2;
 constexpr float thin_empty = 0.9f;  ///< default of `empty`
-constexpr double small_share =
-    0.05;  ///< share of the content in the lattice below which the lattice is probably misplaced
+/// Share of the content in the lattice below which the lattice is probably misplaced.
+constexpr double small_share = 0.05;
 constexpr double least_share = 1e-4;  ///< below this share, messages state no number
 
 /// The prices of steps, in mean energies. Seams of frames have steps in space alone.

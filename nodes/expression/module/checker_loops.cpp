@@ -12,8 +12,8 @@ namespace {
 
 constexpr double most_rounds = 10'000;  ///< maximum rounds of all loops, per voxel
 
-constexpr double furthest =
-    1e9;  ///< maximum absolute value of a counter, so that it never overflows
+/// Maximum absolute value of a counter, so that it never overflows.
+constexpr double furthest = 1e9;
 
 }  // namespace
 
