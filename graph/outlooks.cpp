@@ -89,7 +89,7 @@ private:
     std::map<std::string, Input, std::less<>> inputs_;  ///< connected ones
 };
 
-/// Takes where the outputs of a node lie, by name.
+/// Adds the regions of a node's outputs, which a reader stated by name.
 void take_regions(std::size_t n, const Node& node, const auto& read, Known& known) {
     for (std::size_t output = 0; output < node.outputs.size(); ++output)
         if (const auto found = read.find(node.outputs[output].name); found != read.end())

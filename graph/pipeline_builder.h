@@ -74,7 +74,7 @@ private:
     /// @param mark  of the writer's path @return whether there is such a reader
     bool blame_reader(const Node& writer, const Mark& mark, const FrameSet& frames);
 
-    /// Checks that other nodes write the files of each WrittenPath.
+    /// Checks that other nodes write the files of all WrittenPaths.
     void check_written(const FrameSet& frames);
 
     /// Checks that all files lie where the program may read and write.

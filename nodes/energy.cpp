@@ -29,7 +29,7 @@ struct RangeParams {
     TermRanges range;
 };
 
-/// What nodes share that add energies, each remapped to [0, 1] over the whole sequence:
+/// The base of nodes that add energies, each remapped to [0, 1] over the whole sequence:
 /// `Node::terms(params, io, context)` makes them, and their ranges are set here.
 template <class Node>
 class EnergySum {

@@ -29,7 +29,7 @@ void warm_allocator() {
 
 /// Runs before the libraries are initialised: some start threads and allocate then.
 void begin() {
-    fluidcarve::require_room();
+    fluidcarve::require_address_space();
     fluidcarve::end_without_signal();
 }
 [[gnu::section(".preinit_array"), gnu::used]] void (*const first)() = begin;

@@ -17,9 +17,6 @@ namespace fluidcarve {
 /// between vertices, not along chords.
 class Mapping {
 public:
-    static constexpr double snap = snap_width;
-    static constexpr double slack = rim_slack;
-
     /// @param extent  vertices per dimension that count as inside: the lattice's shape, or more
     ///   where insertions extend it along u and v; in a straight box along w, too
     /// @throws Failure if the lattice is no straight box and has fewer than 2 planes (3 if closed)

@@ -134,8 +134,8 @@ bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
     for (auto step = steps_.rbegin(); step != steps_.rend(); ++step) {
         const int a = step->axis(), b = step->lateral_axis(), c = step->slice_axis();
         const auto meets = [&](int dimension, double first, double last) {
-            return range.max()[dimension] >= first - Mapping::slack &&
-                   range.min()[dimension] <= last + Mapping::slack;
+            return range.max()[dimension] >= first - rim_slack &&
+                   range.min()[dimension] <= last + rim_slack;
         };
         // A point between an unmoved and a moved entry moves in part.
         if (!meets(a, step->first_moved() - 1, std::min(step->last_moved() + 1, step->high())) ||

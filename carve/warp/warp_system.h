@@ -24,10 +24,11 @@ struct WarpStiffness {
 /// those of the finest. The result does not depend on the number of threads.
 class WarpSystem {
 public:
-    /// @param warp     holds the given values at the window's ends, and a first guess between them
+    /// The warp and the weights must outlive this object.
+    /// @param warp     holds the given values at the window's ends, and a first guess between them.
+    ///   A column whose two ends are 0 stays 0
     /// @param weights  energy codes above 0, one for each value of the warp; not marked ones
-    /// @param window   points along the axis; values outside of it are not read Both must outlive
-    ///   this object. A column whose two ends are 0 stays 0.
+    /// @param window   points along the axis; values outside of it are not read
     WarpSystem(Warp& warp, const FrameStore& weights, Window window,
                const WarpStiffness& stiffness);
     ~WarpSystem();

@@ -64,7 +64,7 @@ struct InputSpec {
                        const std::vector<std::string>& names)>
         set;
     bool optional = false;  ///< may be unconnected
-    /// Whether a gatherer combines this input over all frames: differences from frame to frame do
+    /// Whether a gathering node combines this input over all frames: differences from frame to frame do
     /// not make its outputs differ.
     bool summed = false;
     /// Returns the parameters with the promise of a connected output added; empty: the input
@@ -155,11 +155,11 @@ struct NodeType {
 
     std::function<std::shared_ptr<void>()> make_params;
     std::function<bool(const void* params)> gathers;
-    /// Whether a gatherer needs the frame of the context; empty: always.
+    /// Whether a gathering node needs the frame of the context; empty: always.
     std::function<bool(const void* params, const Context&)> wants;
     /// Whether results change per frame though no input or file does; empty: never.
     std::function<bool(const void* params)> animates;
-    /// The frames in which a gatherer delivers, given the frames that it takes; empty: the same.
+    /// The frames in which a gathering node delivers, given the frames that it takes; empty: the same.
     std::function<std::vector<int>(const void* params, const std::vector<int>& frames)> retimes;
     /// Empty: outputs promise nothing.
     std::function<std::optional<Promise>(const void* params)> promise;

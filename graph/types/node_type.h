@@ -201,7 +201,7 @@ public:
         type_.digest_fields = std::move(fields);
         return *this;
     }
-    /// Declares inputs that a gatherer combines over all frames, so that they do not make its
+    /// Declares inputs that a gathering node combines over all frames, so that they do not make its
     /// outputs differ from frame to frame (InputSpec::summed).
     Declare& sums(std::initializer_list<std::string_view> inputs) {
         for (auto& input : type_.inputs)

@@ -14,8 +14,7 @@
 
 namespace fluidcarve {
 
-/// What nodes share that carve. Of seams of frames, frames leave a sequence that is there as a
-/// whole.
+/// The base of nodes that carve. For seams of frames, such a node gathers the whole sequence.
 class RemapNode {
 public:
     struct Params : JoinParams {

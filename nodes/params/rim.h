@@ -7,7 +7,7 @@ namespace fluidcarve {
 class NodeCheck;
 
 /// The parameter `rim` of nodes that carve: how displacements end at the lattice's rims. cut: with
-/// a jump; fade: they go linearly to 0 (CarveMap::fade).
+/// a jump; fade: they go linearly to 0 (CarveMap::fade_rims).
 enum class Rim { cut, fade };
 
 template <>

@@ -26,13 +26,13 @@ void Flow::run_once(const std::vector<std::size_t>& nodes, const Plan& plan,
 
 void Flow::run_pass(std::size_t number, const Plan& plan, const Schedule& schedule) {
     const auto& pass = plan.passes[number];
-    const auto lost = PassGraph(setup_, calls_, {number, plan, schedule}).stream();
+    const auto failed = PassGraph(setup_, calls_, {number, plan, schedule}).stream();
     for (const auto n : pass.gathering) {
         if (stopped()) return;
         if (schedule.once[n] == Schedule::Action::load) calls_.load_once(n);
         if (!schedule.gathers[n]) continue;
-        if (lost[n].empty()) calls_.finish(n);
-        else calls_.lacks_frames(n, lost[n]);
+        if (failed[n].empty()) calls_.finish(n);
+        else calls_.lacks_frames(n, failed[n]);
     }
 }
 

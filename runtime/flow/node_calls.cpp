@@ -72,10 +72,10 @@ void NodeCalls::fail(std::size_t n, std::optional<int> frame, const std::string&
     failed_ = true;
 }
 
-void NodeCalls::lacks_frames(std::size_t n, const std::vector<int>& lost) {
+void NodeCalls::lacks_frames(std::size_t n, const std::vector<int>& failed) {
     fail(n, std::nullopt,
          fmt::format("needs every frame of the sequence, but these failed: {}",
-                     FrameSet(lost).text()),
+                     FrameSet(failed).text()),
          Failure::Kind::data);
     fatal_ = true;
 }
@@ -242,9 +242,9 @@ void NodeCalls::end_once(BodyHost& host, bool good, bool delivers) {
     else if (delivers) keep(host, 0, held_[n]);
     CostSetting at;
     at.gathered = gathered_[n];
-    host.count_items(good && !held_[n].empty() ? &held_[n][0] : nullptr, at);
     const double share = good ? 1 : setup_.cancelled() ? host.share() : 0;
-    setup_.events.done_once(n, host.span, share, at);
+    if (share > 0) host.count_items(good && !held_[n].empty() ? &held_[n][0] : nullptr, at);
+    setup_.events.done_once(n, host.span, good, share, at);
 }
 
 void NodeCalls::finish(std::size_t n) {

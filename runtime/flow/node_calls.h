@@ -40,7 +40,7 @@ public:
     /// Frees what no other node will read, once a node has run.
     void release(std::size_t n);
     /// The node can't finish.
-    void lacks_frames(std::size_t n, const std::vector<int>& lost);
+    void lacks_frames(std::size_t n, const std::vector<int>& failed);
 
     /// Frames now in memory.
     std::atomic<std::size_t> in_flight{0};

@@ -24,7 +24,7 @@ PassGraph::PassGraph(const FlowSetup& setup, NodeCalls& calls, const ScheduledPa
       wiring_(wire(setup.pipeline, pass_)),
       ahead_(files_of(setup.store, wiring_, frames_, places_),
              static_cast<std::size_t>(setup.options.in_flight), setup.options.memory),
-      lost_(setup.pipeline.nodes.size()),
+      failed_(setup.pipeline.nodes.size()),
       // Only numbers wait in front of the limiter. Frames are created behind it.
       source_(graph_,
               [this](tbb::flow_control& control) -> std::size_t {
@@ -52,7 +52,7 @@ PassGraph::~PassGraph() {
 std::vector<std::vector<int>> PassGraph::stream() {
     source_.activate();
     graph_.wait_for_all();
-    return std::move(lost_);
+    return std::move(failed_);
 }
 
 PassGraph::Frame PassGraph::admit(std::size_t order) {
@@ -104,7 +104,7 @@ void PassGraph::add_gathering(std::size_t n) {
     consume = std::make_unique<flow::function_node<Frame, Frame>>(
         graph_, flow::serial, [this, n](const Frame& frame) {
             if (!calls_.consume(n, *frame, wiring_, schedule_.gathers[n] != 0))
-                lost_[n].push_back(setup_.timelines.frames()[frame->place]);
+                failed_[n].push_back(setup_.timelines.frames()[frame->place]);
             return frame;
         });
     flow::make_edge(flow::output_port<0>(*units_[n]), *order);

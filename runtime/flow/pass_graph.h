@@ -67,7 +67,7 @@ private:
     ReadAhead ahead_;
     int ends_ = 0;          ///< nodes that no other reads
     std::size_t next_ = 0;  ///< index in `places_`
-    std::vector<std::vector<int>> lost_;
+    std::vector<std::vector<int>> failed_;
 
     tbb::flow::graph graph_;
     tbb::flow::input_node<std::size_t> source_;

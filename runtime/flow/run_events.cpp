@@ -42,7 +42,8 @@ void RunEvents::advanced(std::size_t node, double share, double seconds) {
     if (const auto once = step(node, Work::once)) progress_.part(*once, share, seconds);
 }
 
-void RunEvents::done_once(std::size_t node, WorkTimes::Span& span, double share, CostSetting at) {
+void RunEvents::done_once(std::size_t node, WorkTimes::Span& span, bool good, double share,
+                          CostSetting at) {
     // What was stopped counts by the share of its work that it had done, unless that is too little
     // to tell the rest.
     constexpr double least = 0.05;
@@ -50,7 +51,7 @@ void RunEvents::done_once(std::size_t node, WorkTimes::Span& span, double share,
     at.abreast = options_.abreast(std::nullopt);
     at.cores = span.cores();
     if (share >= least) costs_.add(node, Work::once, seconds / share, at);
-    if (share == 1) progress_.done(step(node, Work::once).value(), seconds, std::nullopt);
+    if (good) progress_.done(step(node, Work::once).value(), seconds, std::nullopt);
 }
 
 void RunEvents::warned_at_once(std::size_t node, const std::string& message) {

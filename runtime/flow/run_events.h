@@ -67,9 +67,11 @@ public:
         report_.ended(node, seconds, bytes, good);
     }
     /// Work of a body that is called once is done.
-    /// @param share  of the work, 0 to 1
+    /// @param good   whether it came to its end
+    /// @param share  of the work that it did, 0 to 1
     /// @param at     its setting; threads and cores are added here
-    void done_once(std::size_t node, WorkTimes::Span& span, double share, CostSetting at);
+    void done_once(std::size_t node, WorkTimes::Span& span, bool good, double share,
+                   CostSetting at);
 
     void warned(std::size_t node, const std::string& message) { report_.warn(node, message); }
     /// As `warned`, and shows the warning now.

@@ -41,8 +41,6 @@ public:
     /// Per place: whether the run reads the node's files.
     std::vector<bool> reads(std::size_t node) const;
     const Dependencies& dependencies() const { return dependencies_; }
-    /// Files that differ from the manifest. Without the cache they are not compared here.
-    const std::vector<Fault>& unlike_manifest() const { return unlike_manifest_; }
     Cache& cache() { return cache_; }
     Store& store() { return store_; }
     InputGuard& guard() { return guard_; }
@@ -81,6 +79,7 @@ private:
     Keys keys_;
     Store store_;
     std::vector<std::optional<GrownResult>> grown_;
+    /// Files that differ from the manifest. Without the cache they are not compared here.
     std::vector<Fault> unlike_manifest_;
 };
 

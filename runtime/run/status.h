@@ -60,7 +60,7 @@ std::string task_name(const std::string& step, const std::optional<FrameSet>& fr
 std::vector<nlohmann::ordered_json> recorded_runs(const std::string& folder);
 
 /// What the verb `status` prints: each run in a work folder, latest first: its nodes, how much of
-/// each is done, the progress of gatherers, and whether the run is running, has ended, or was
+/// each is done, the progress of gathering nodes, and whether the run is running, has ended, or was
 /// killed.
 std::string status_text(const std::string& folder);
 

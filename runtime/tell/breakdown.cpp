@@ -88,7 +88,7 @@ void end_without_signal() {
     });
 }
 
-void require_room() {
+void require_address_space() {
 #if !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)  // their shadow memory takes terabytes
     constexpr rlim_t mib = rlim_t{1} << 20;

@@ -17,7 +17,7 @@ void end_without_signal();
 
 /// Ends the program with a message if a limit of the system is so small that libraries would
 /// crash. Call it before they are initialised.
-void require_room();
+void require_address_space();
 
 /// Makes sure that a number of threads can be started.
 /// @throws Failure if the system does not grant them

@@ -105,7 +105,7 @@ MetVertices vertices_in(const openvdb::BBoxd& range, const CarveStep& step) {
         out.first[d] = static_cast<int>(std::clamp(from, begin, end));
         out.size[d] = static_cast<int>(std::clamp(to, begin, end)) + 2 - out.first[d];
     }
-    // A warp ends elsewhere in each column.
+    // A warp's ends differ from column to column.
     out.whole = out.whole && (!step.warps() || (range.min()[axes[0]] >= step.common().begin &&
                                                 range.max()[axes[0]] <= step.common().end));
     return out;

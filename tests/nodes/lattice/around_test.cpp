@@ -59,7 +59,7 @@ TEST_CASE("around a straight rig, u is the distance from it and v the angle arou
         const auto place = mapping.locate(at);
         REQUIRE(place);
         CHECK(distance_around(lattice, *place, {radius / 0.5, 50 * turn, height / 0.5}) <
-              3 * Mapping::snap);
+              3 * snap_width);
         CHECK((mapping.position({radius / 0.5, 50 * turn, height / 0.5}) - at).length() < 1e-9);
     }
     CHECK_FALSE(mapping.locate({5.01, 2, 5}));
@@ -156,7 +156,7 @@ TEST_CASE(
                                 .length() < 1e-9);
                     REQUIRE(reach.isInside(Coord::floor(moved)));
                     const auto wrapped = [&](int axis, int size) {
-                        return place.at[axis] < range.min()[axis] - Mapping::snap
+                        return place.at[axis] < range.min()[axis] - snap_width
                                    ? place.at[axis] + size
                                    : place.at[axis];
                     };
@@ -164,8 +164,8 @@ TEST_CASE(
                          {std::pair{place.at.x(), 0}, std::pair{wrapped(1, lattice.shape[1]), 1},
                           std::pair{lattice.closed ? wrapped(2, lattice.shape[2]) : place.at.z(),
                                     2}}) {
-                        REQUIRE(value >= range.min()[axis] - Mapping::snap);
-                        REQUIRE(value <= range.max()[axis] + Mapping::snap);
+                        REQUIRE(value >= range.min()[axis] - snap_width);
+                        REQUIRE(value <= range.max()[axis] + snap_width);
                     }
                     ++compared;
                     on_rig += place.at.x() < 1;

@@ -91,19 +91,19 @@ int compared_in_blocks(std::mt19937& random, const Lattice& lattice,
                         transform.indexToWorld(places.moved(p, place, openvdb::Vec3d(3, -1, 0)));
                     // A place at a plane is snapped to it, its direction is not.
                     const double tolerance =
-                        place.at.z() == std::round(place.at.z()) ? Mapping::snap : 1e-9;
+                        place.at.z() == std::round(place.at.z()) ? snap_width : 1e-9;
                     REQUIRE(
                         (moved - (world + mapping.position(source) - mapping.position(place.at)))
                             .length() < tolerance);
 
-                    const double w = place.at.z() < range.min().z() - Mapping::snap
+                    const double w = place.at.z() < range.min().z() - snap_width
                                          ? place.at.z() + lattice.shape[2]
                                          : place.at.z();
                     for (const auto& [value, axis] :
                          {std::pair{place.at.x(), 0}, std::pair{place.at.y(), 1},
                           std::pair{w, 2}}) {
-                        REQUIRE(value >= range.min()[axis] - Mapping::snap);
-                        REQUIRE(value <= range.max()[axis] + Mapping::snap);
+                        REQUIRE(value >= range.min()[axis] - snap_width);
+                        REQUIRE(value <= range.max()[axis] + snap_width);
                     }
                     ++compared;
                 }
@@ -191,12 +191,12 @@ TEST_CASE("around a circle, lattice coordinates are polar coordinates") {
         REQUIRE(on_plane);
         CHECK(distance(lattice, *on_plane,
                        Vec3d((radius - inner) / spacing, (height + 0.5) / spacing,
-                             std::floor(turn))) < 2 * Mapping::snap);
+                             std::floor(turn))) < 2 * snap_width);
         const auto found = place_at(radius, turn, height);
         REQUIRE(found);
         const double sagitta = radius * spacing * spacing / (8 * rig * rig);
         CHECK(std::abs(inner + spacing * found->x() - radius) <
-              1.01 * sagitta + spacing * Mapping::snap);
+              1.01 * sagitta + spacing * snap_width);
     }
     // The ring closes on itself: what is at plane 100 is at plane 0.
     CHECK(mapping.locate(mapping.position(Vec3d(3, 2, 100))) == Vec3d(3, 2, 0));
@@ -204,7 +204,7 @@ TEST_CASE("around a circle, lattice coordinates are polar coordinates") {
     CHECK((mapping.position(Vec3d(3, 2, -0.25)) - mapping.position(Vec3d(3, 2, 99.75))).length() <
           1e-12);
     CHECK(!place_at(inner - 0.01, 3, 0));
-    CHECK(place_at(inner - 0.5 * Mapping::slack * spacing, 3, 0)->x() == 0);
+    CHECK(place_at(inner - 0.5 * rim_slack * spacing, 3, 0)->x() == 0);
 }
 
 TEST_CASE("a straight lattice of planes maps as a box does") {
