@@ -51,7 +51,7 @@ std::optional<Vec3d> Mapping::locate(const Vec3d& world) const {
     auto at = coordinates(world);
     for (int n = 0; n < 3; ++n) {
         const double end = extent_[static_cast<std::size_t>(n)] - 1;
-        if (!(at[n] >= -slack && at[n] <= end + slack)) return std::nullopt;
+        if (!(at[n] >= -rim_slack && at[n] <= end + rim_slack)) return std::nullopt;
         at[n] = std::clamp(snapped(at[n]), 0.0, end);
     }
     return at;
