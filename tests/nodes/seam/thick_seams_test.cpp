@@ -228,9 +228,7 @@ TEST_CASE("what is empty can be given another price, and all else keeps its own"
     const SlabPrices prices(volume, 4, {1, {}, {}});
     const auto columns = static_cast<std::size_t>(slab_lattice[1] * slab_lattice[2]);
     const SlabPrices::Taken taken{SeamEntries(std::vector<std::uint16_t>(3 * columns, 20)), 4};
-    const auto at = [&](float empty) {
-        return prices.of(volume, 4, empty, {&taken, 1}, {});
-    };
+    const auto at = [&](float empty) { return prices.of(volume, 4, empty, {&taken, 1}, {}); };
     auto given = at(1.3f);
     const auto wanted = at(3.5f);
     prices.set_empty(given, volume, 4, 3.5f, {&taken, 1});
