@@ -64,8 +64,8 @@ struct InputSpec {
                        const std::vector<std::string>& names)>
         set;
     bool optional = false;  ///< may be unconnected
-    /// Whether a gathering node combines this input over all frames: differences from frame to frame do
-    /// not make its outputs differ.
+    /// Whether a gathering node combines this input over all frames: differences from frame to
+    /// frame do not make its outputs differ.
     bool summed = false;
     /// Returns the parameters with the promise of a connected output added; empty: the input
     /// refuses outputs with promises.
@@ -159,7 +159,8 @@ struct NodeType {
     std::function<bool(const void* params, const Context&)> wants;
     /// Whether results change per frame though no input or file does; empty: never.
     std::function<bool(const void* params)> animates;
-    /// The frames in which a gathering node delivers, given the frames that it takes; empty: the same.
+    /// The frames in which a gathering node delivers, given the frames that it takes; empty: the
+    /// same.
     std::function<std::vector<int>(const void* params, const std::vector<int>& frames)> retimes;
     /// Empty: outputs promise nothing.
     std::function<std::optional<Promise>(const void* params)> promise;

@@ -95,8 +95,8 @@ Json faults_of(const Report& report) {
     return out;
 }
 
-/// Progress of a gathering node: "16/16 frames gathered, 7/12 seams, interrupted"; empty if it gathers
-/// nothing, or has finished.
+/// Progress of a gathering node: "16/16 frames gathered, 7/12 seams, interrupted"; empty if it
+/// gathers nothing, or has finished.
 /// @param state  of the run
 std::string text_of_gathering(const Json& node, const std::string& state) {
     const auto of = node.find("gathering");

@@ -13,8 +13,8 @@ namespace fluidcarve {
 struct Tear {
     std::string grid;
     std::string rim;  ///< for example "v = 0"
-    bool
-        faded_away;  ///< whether CarveMap::fade_rims would prevent it: not at the ends of a carved axis
+    /// Whether CarveMap::fade_rims would prevent it: not at the ends of a carved axis.
+    bool faded_away;
     double share = 0;  ///< of the rim's vertices, 0 to 1
 };
 
