@@ -48,7 +48,7 @@ struct AllClaims {
     }
 };
 
-/// What nodes write beside another one.
+/// The outputs of all nodes but one.
 struct OtherOutputs {
     std::vector<std::string> all;
     bool found = false;  ///< one is the same, or may be

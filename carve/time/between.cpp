@@ -169,7 +169,7 @@ private:
     using Element = typename openvdb::VecTraits<Value>::ElementType;
     using Leaf = typename GridT::TreeType::LeafNodeType;
 
-    /// Sums of what lies between the frames in a leaf: as it should be, and as it is.
+    /// Sums over the blended voxels of a leaf: the wanted one, and the actual one.
     struct Sums {
         double wanted = 0, got = 0;
     };

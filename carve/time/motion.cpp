@@ -194,7 +194,7 @@ public:
         }
     }
 
-    /// What both frames show of the displacement that is left.
+    /// The displacement that is left, as both frames show it.
     struct Differences {
         Vectors rest;                   ///< slope times change
         std::array<Numbers, 6> tensor;  ///< products of slopes

@@ -243,7 +243,7 @@ private:
         return std::make_shared<RawGrid>(of.gridType(), of.getBlockPos(), of.getEndPos());
     }
 
-    /// Where a grid's tree begins.
+    /// The place in the file at which a grid's tree begins.
     std::int64_t tree_place(const GridDescriptor& of) {
         VdbHeader::Entry ignored;
         describe(of, ignored);

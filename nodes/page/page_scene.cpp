@@ -248,7 +248,7 @@ private:
     float background_, from_ = 0, to_ = 0, energy_high_ = 0;
 };
 
-/// What holds for all frames, but what they share.
+/// The entries of the page that hold for all frames.
 Json common_json(const PageRequest& request, const PageFrame& first, const PageGrid& page,
                  const PageVolumes& volumes) {
     Json out;

@@ -12,7 +12,7 @@ namespace fluidcarve {
 
 namespace {
 
-/// What is wrong with an extent in world units. @param spacing  nothing: not known yet
+/// The fault of an extent in world units, if any. @param spacing  nothing: not known yet
 std::optional<std::string> extent_fault(const char* name, const RigExtent& extent,
                                         const Auto<double>& spacing) {
     if (extent.high == extent.low)

@@ -34,7 +34,7 @@ void check_params(const BuildParams& params, NodeCheck& check);
 /// @param content  how wide the content is
 void require_extents(const BuildParams& params, const ContentReach& content, double spacing);
 
-/// What is to be built. @param content  how wide the content is
+/// The lattice to build. @param content  how wide the content is
 LatticeSpec spec_of(const BuildParams& params, const ContentReach& content, double spacing);
 
 }  // namespace fluidcarve

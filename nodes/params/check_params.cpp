@@ -104,7 +104,7 @@ void check_thick(const SolverParams& params, bool field, NodeCheck& check) {
                                                  thickness, name, of->first, of->last, of->size()));
 }
 
-/// What makes no sense for thin seams whose costs are those of edges in the field.
+/// Finds parameters that have no effect on thin seams with costs of edges in the field.
 void check_thin(const SolverParams& params, NodeCheck& check) {
     const auto window = vertices_of(params.window), pair_window = vertices_of(params.pair_window);
     if (window && pair_window && pair_window->first == window->last + 1)

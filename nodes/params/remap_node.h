@@ -42,7 +42,7 @@ protected:
         if (params.rim == Rim::fade) out.fade_rims(params.rim_fade);
         return out;
     }
-    /// @param idle  a parameter that is stated for nothing if frames are carved; empty: none
+    /// @param idle  a stated parameter that has no effect if frames are carved; empty: none
     static void foresee_frames(const Params& params, const std::string& idle, Outlook& ahead);
     /// The parameters of all nodes that have no effect on frames.
     static std::string without_effect(const Params& params) {

@@ -109,7 +109,7 @@ void check_windows(const WarpParams& params, NodeCheck& check) {
         check.fault("pair_window", *fault);
 }
 
-/// Where the amount is stated, and of what kind it is.
+/// Checks where the amount is stated, and of which kind it is.
 void check_amount(const WarpParams& params, NodeCheck& check) {
     const bool from_file = !params.amount_file.text().empty();
     if (!params.amount && !from_file)
@@ -138,7 +138,7 @@ void check_amount(const WarpParams& params, NodeCheck& check) {
                     "of all frames, in a column 'time'");
 }
 
-/// Whether the amount goes with the axis, and with what is static.
+/// Checks that the amount goes with the axis and with static seams.
 void check_curve(const WarpParams& params, NodeCheck& check) {
     if (params.static_ && params.amount && params.amount->varies_along(WarpAmount::Along::time))
         check.fault("static",

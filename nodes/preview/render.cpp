@@ -151,7 +151,8 @@ Film lit(const FloatGrid& smoke, const ViewWindow& window) {
     return film;
 }
 
-/// What a surface sends to the viewer. @param middle  between the directions to light and viewer
+/// The light that a surface sends to the viewer.
+/// @param middle  between the directions to light and viewer
 double seen_light(const Vec3d& normal, const Vec3d& light, const Vec3d& middle) {
     return surface_ambient + diffuse_light * std::max(0.0, normal.dot(light)) +
            highlight * std::pow(std::max(0.0, normal.dot(middle)), shininess);

@@ -77,7 +77,7 @@ struct SpawnAttributes {
     }
     ~SpawnAttributes() { posix_spawnattr_destroy(&attributes); }
 };
-/// What the process is started with.
+/// The attributes with which the process is started.
 struct CommandLine {
     std::vector<std::string> words, settings;
     std::vector<char*> arguments, environment;

@@ -18,12 +18,12 @@ double steepest(const Warp& warp);
 /// The least and the greatest amount of all planes and frames of a set, vertices.
 std::pair<double, double> amounts_in(const Seams& set, const WarpAmount& amount);
 
-/// What a finished warp is reported by.
-/// @param amount  what it was found for; null: no amount at all
+/// The report of a finished warp.
+/// @param amount  the amount of the warp; null: none
 nlohmann::ordered_json warp_report(const Seams& set, const WarpParams& params,
                                    const WarpAmount* amount);
 
-/// Where there is too little room, in words.
+/// Says where a warp has too little room.
 std::string no_room_text(const NoRoom& none, const WarpParams& params, const Seams& set,
                          const CarvedSpace& space);
 

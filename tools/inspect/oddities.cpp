@@ -44,7 +44,7 @@ void note_metadata(const openvdb::MetaMap& map, const auto& say) {
                         most_metadata));
 }
 
-/// What is odd about a grid.
+/// Adds what is odd about a grid.
 class GridNotes {
 public:
     GridNotes(const GridBase& grid, const Json& facts, const Conventions* conventions,

@@ -139,7 +139,7 @@ std::string take_frames(RunArguments& run, const Pipeline& pipeline) {
                                          FrameSet(outside).text(), pipeline.frames.text());
 }
 
-/// Also warns of what else was noted of the pipeline.
+/// Refuses or warns of missing frames, and shows the other notes on the pipeline.
 std::string take_holes(RunArguments& run, const Pipeline& pipeline) {
     if (run.missing == "error" && !pipeline.holes.empty()) return pipeline.holes;
     if (run.request.quiet) return {};
@@ -269,8 +269,7 @@ std::optional<Pipeline> PipelineArguments::read_or_complain(Registry& registry) 
     Problems problems;
     const auto document = read_document(path, settings, problems);
     auto pipeline = build(document, registry, problems);
-    complain(to_text(problems));
-    if (!problems.empty()) return std::nullopt;
+    if (!problems.empty()) return complain(to_text(problems)), std::nullopt;
     state_provenance(pipeline, document, registry);
     return pipeline;
 }

@@ -103,7 +103,7 @@ bool lies_in(const std::string& folder, std::span<const long> file_systems) {
            std::ranges::find(file_systems, static_cast<long>(about.f_type)) != file_systems.end();
 }
 
-/// Fills in what a task states unless the command line does.
+/// Fills in options that a task states and the command line does not.
 void fill_in(RunArguments& run, const FarmEngine& engine, int processes) {
     if (run.threads_option->count() == 0 && !engine.other_machines)
         run.threads = std::max(1, run.threads / processes);

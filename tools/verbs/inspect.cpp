@@ -141,7 +141,7 @@ std::string all_endings() {
     return fmt::format("{}", fmt::join(out, ", "));
 }
 
-/// Takes the paths of the command line in their order: files that stand side by side may make
+/// Takes the paths of the command line in their order: files side by side may make
 /// sequences.
 class PathsInOrder {
 public:

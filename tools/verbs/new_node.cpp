@@ -1,12 +1,12 @@
 #include "tools/verbs/new_node.h"
 
 #include "runtime/run/run.h"
+#include "tools/verbs/arguments.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -78,10 +78,10 @@ std::string filled(std::string_view text,
 }
 
 int end_with(const std::string& message, int code) {
-    return std::fputs((message + "\n").c_str(), stderr), code;
+    return complain(message + "\n"), code;
 }
 
-/// Makes a folder, unless there is one that holds nothing.
+/// Makes a folder, unless an empty one exists.
 /// @return an exit code; what is wrong is printed
 int make_folder(const fs::path& folder) {
     std::error_code error;
@@ -151,7 +151,7 @@ int write_new_node(const NewNode& wanted, const Registry& registry) {
             : fmt::format(
                   "{}: a complete plugin with the {} {}, ready to build; its README.md says how\n",
                   folder.string(), kind_of(wanted), wanted.name);
-    std::fputs(told.c_str(), stdout);
+    print(told);
     return exit_code::done;
 }
 

@@ -45,7 +45,7 @@ ReadFile outcome_of(const std::string& path, const Json& answer) {
     return {{}, fault.find(path) == std::string::npos ? fmt::format("{}: {}", path, fault) : fault};
 }
 
-/// Why there are no facts of a file that was read alone.
+/// Why a file that was read in a process of its own gave no facts.
 std::string fault_of_child(const Confined& answer, const std::string& path, double seconds) {
     switch (answer.end) {
         case Confined::End::returned: break;

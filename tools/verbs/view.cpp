@@ -106,7 +106,7 @@ void take_what_is_there(Document& document, const Registry& registry) {
     }
 }
 
-/// The page of a document that has none. It shows what the nodes carve that are there.
+/// Makes a page for a document without one. It shows what the document's nodes carve.
 class PageDraft {
 public:
     explicit PageDraft(const Document& document) : document_(document) {

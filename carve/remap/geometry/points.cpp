@@ -233,7 +233,7 @@ private:
     const Mapping mapping_;
     const openvdb::BBoxd moves_;
     const Jitter jitter_;
-    /// With a warp among them, seams squeeze points as the warp does.
+    /// If one of the steps is a warp, seams squeeze points as the warp does.
     const bool joined_;
     std::optional<SoftCarve> soft_;
 };

@@ -132,7 +132,7 @@ std::pair<double, double> with_sides(double low, double high, const MetVertices&
     return {std::min(low, sides[0]), std::max(high, sides[1])};
 }
 
-/// Bounds of the displacements to the entries that values between them are read from.
+/// Bounds of the displacements, widened to the entries between which values are blended.
 /// @param low, high  bounds of the displacements
 /// @param all        whether all points are displaced, by all of it
 std::pair<double, double> read_bounds(double low, double high, bool all) {

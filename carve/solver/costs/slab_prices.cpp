@@ -150,7 +150,7 @@ public:
             energies_[n + 1] = energies_[n] + (codes[n] < protected_code ? energy_[n] : 0);
     }
 
-    /// What slabs with content cost.
+    /// Sums of the costs of slabs with content.
     struct Means {
         Sum join, energy;
         Means& operator+=(const Means& other) {

@@ -27,7 +27,7 @@ std::int64_t steps_between_searches(std::size_t nodes) {
     return static_cast<std::int64_t>(steps_per_search * static_cast<double>(nodes)) + 64;
 }
 
-/// Lets as much flow up a column as it takes by itself.
+/// Sends as much flow up a column as the column can hold alone.
 /// @param costs  of its entries
 /// @return the flow that reaches the column's end
 inline std::int64_t fill_column(Residual& graph, const Residual::Column& column,
@@ -47,7 +47,7 @@ inline std::int64_t fill_column(Residual& graph, const Residual::Column& column,
     return flow;
 }
 
-/// Regions that cover all columns, side by side, so that each one touches those before and behind.
+/// Regions that cover all columns side by side: each touches the one before and the one behind.
 class Regions {
 public:
     Regions(Residual& graph, const std::vector<Residual::Box>& boxes) {
