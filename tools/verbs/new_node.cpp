@@ -77,9 +77,7 @@ std::string filled(std::string_view text,
     return out;
 }
 
-int end_with(const std::string& message, int code) {
-    return complain(message + "\n"), code;
-}
+int end_with(const std::string& message, int code) { return complain(message + "\n"), code; }
 
 /// Makes a folder, unless an empty one exists.
 /// @return an exit code; what is wrong is printed
