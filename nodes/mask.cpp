@@ -45,7 +45,7 @@ struct BelowSurface {
         Ref<MaskGrid> mask;
     };
     static void check(const Params& params, NodeCheck& check) {
-        if (Vec3d(params.up.data()).length() == 0) check.fault("up", "'up' has no direction");
+        check_direction("up", params.up, check);
     }
     static void run(const Params& params, Ports& io, Context&) {
         io.mask = below_surface_mask(io.surfaces, Vec3d(params.up.data()), params.depth);

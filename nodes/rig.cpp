@@ -8,6 +8,7 @@
 #include "carve/volume/volume.h"
 #include "formats/geometry_file/curve_file.h"
 #include "graph/types/node_type.h"
+#include "nodes/params/check_params.h"
 #include "nodes/params/one_or_two.h"
 
 #include <fmt/format.h>
@@ -41,8 +42,7 @@ struct RigCircle {
     };
 
     static void check(const Params& params, NodeCheck& check) {
-        if (Vec3d(params.normal.data()).length() == 0)
-            check.fault("normal", "'normal' has no direction");
+        check_direction("normal", params.normal, check);
         if (!(params.radius.of[0] > 0 && params.radius.of[1] > 0))
             check.fault("radius", "'radius' must be more than 0");
     }
@@ -118,7 +118,7 @@ struct RigCurve {
     };
 
     static void check(const Params& params, NodeCheck& check) {
-        if (Vec3d(params.up.data()).length() == 0) check.fault("up", "'up' has no direction");
+        check_direction("up", params.up, check);
     }
 
     static void survey(const Params& params, Survey& survey) {
@@ -254,7 +254,7 @@ struct RigPoints {
             return check.fault(
                 check.stated("points") ? "frames" : "points",
                 "needs either 'points', or 'frames' with points for each, and not both");
-        if (Vec3d(params.up.data()).length() == 0) check.fault("up", "'up' has no direction");
+        check_direction("up", params.up, check);
         if (params.frames.empty())
             return refuse(rig_of(params, positions(params.points)), "points", "", check);
         for (const auto& [frame, points] : params.frames) {

@@ -5,6 +5,7 @@
 #include "carve/volume/cubes.h"
 #include "carve/volume/volume.h"
 #include "graph/types/node_type.h"
+#include "nodes/params/check_params.h"
 #include "nodes/rig.h"
 
 #include <fmt/format.h>
@@ -66,7 +67,7 @@ public:
     static bool animates(const Params& params) { return params.animate; }
 
     static void check(const Params& params, NodeCheck& check) {
-        if (Vec3d(params.up.data()).length() == 0) check.fault("up", "'up' has no direction");
+        check_direction("up", params.up, check);
         if (!(params.scale > 0)) check.fault("scale", "'scale' must be more than 0");
         if (params.length && !(*params.length > 0))
             check.fault("length", "'length' must be more than 0");

@@ -17,6 +17,7 @@
 #include <memory>
 #include <sstream>
 #include <string>
+#include <string_view>
 
 namespace fluidcarve {
 namespace {
@@ -80,19 +81,15 @@ bool has_bytes(const openvdb::Metadata& metadata) {
            dynamic_cast<const openvdb::UnknownMetadata*>(&metadata);
 }
 
-openvdb::Metadata::Ptr metadata_of(const std::string& type, const std::string& bytes) {
+/// Metadata from its type and what its `write` wrote.
+openvdb::Metadata::Ptr written_metadata(const std::string& type, std::string_view bytes) {
     BinaryReader::require(type != openvdb::io::DelayedLoadMetadata::staticTypeName());
-    const auto out = openvdb::Metadata::isRegisteredType(type)
-                         ? openvdb::Metadata::createMetadata(type)
-                         : std::make_shared<openvdb::UnknownMetadata>(type);
-    // OpenVDB trusts the stated size, and some of its types read another number of bytes.
     std::uint32_t size = 0;
     BinaryReader::require(bytes.size() >= sizeof size);
     std::memcpy(&size, bytes.data(), sizeof size);
     BinaryReader::require(size == bytes.size() - sizeof size);
-    std::istringstream in(bytes);
-    out->read(in);
-    BinaryReader::require(out->size() == size);
+    const auto out = metadata_of(type, bytes.substr(sizeof size));
+    BinaryReader::require(out != nullptr);
     return out;
 }
 
@@ -229,7 +226,7 @@ openvdb::MetaMap read_metadata(BinaryReader& in) {
         openvdb::MetaMap out;
         while (in.value<bool>()) {
             const auto name = in.text(), type = in.text();
-            out.insertMeta(name, *metadata_of(type, in.text()));
+            out.insertMeta(name, *written_metadata(type, in.text()));
         }
         return out;
     });

@@ -2,6 +2,7 @@
 
 #include "carve/base/failure.h"
 #include "carve/field/extent.h"
+#include "carve/stream/openvdb_types.h"
 #include "formats/file/provenance.h"
 #include "formats/image/image_channels.h"
 #include "formats/image/upright.h"
@@ -35,18 +36,6 @@ const std::string attribute_prefix = "image:";
 std::string type_in_vdb(const std::string& type) { return type == "int" ? "int32" : type; }
 
 std::string type_in_image(const std::string& type) { return type == "int32" ? "int" : type; }
-
-Metadata::Ptr metadata_of(const Image::Attribute& attribute) {
-    const auto type = type_in_vdb(attribute.type);
-    const auto out = Metadata::isRegisteredType(type)
-                         ? Metadata::createMetadata(type)
-                         : std::make_shared<openvdb::UnknownMetadata>(type);
-    const auto size = static_cast<std::uint32_t>(attribute.value.size());
-    std::istringstream bytes(std::string(reinterpret_cast<const char*>(&size), sizeof size) +
-                             attribute.value);
-    out->read(bytes);
-    return out;
-}
 
 Image::Attribute attribute_of(const std::string& name, const Metadata& metadata) {
     std::ostringstream bytes;
@@ -445,9 +434,10 @@ Volume volume_of(Image read) {
     Volume out;
     for (std::size_t c = 0; c < image.channels.size(); ++c)
         out.grids.push_back(grid_of(held, c, upright, box));
-    for (const auto& attribute : image.attributes)
-        if (!is_provenance(attribute.name))
-            out.metadata.insertMeta(attribute_prefix + attribute.name, *metadata_of(attribute));
+    for (const auto& [name, type, value] : image.attributes)
+        if (!is_provenance(name))
+            if (const auto metadata = metadata_of(type_in_vdb(type), value))
+                out.metadata.insertMeta(attribute_prefix + name, *metadata);
     out.metadata.insertMeta(format_key, openvdb::StringMetadata(image.format));
     out.metadata.insertMeta(data_key, openvdb::Vec4IMetadata(packed(image.data)));
     out.metadata.insertMeta(display_key, openvdb::Vec4IMetadata(packed(image.display)));

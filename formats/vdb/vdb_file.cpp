@@ -329,14 +329,8 @@ private:
             const auto name = text(), type = text(), value = text();
             // Sizes of compressed leaves are only needed for delayed loading.
             if (type == openvdb::io::DelayedLoadMetadata::staticTypeName()) continue;
-            const auto metadata = openvdb::Metadata::isRegisteredType(type)
-                                      ? openvdb::Metadata::createMetadata(type)
-                                      : std::make_shared<openvdb::UnknownMetadata>(type);
-            const auto size = static_cast<std::uint32_t>(value.size());
-            std::istringstream bytes(
-                std::string(reinterpret_cast<const char*>(&size), sizeof size) + value);
-            metadata->read(bytes);
-            if (metadata->size() != size)
+            const auto metadata = metadata_of(type, value);
+            if (!metadata)
                 throw std::runtime_error(
                     fmt::format("metadata '{}' has another length than its type", name));
             out.insertMeta(name, *metadata);

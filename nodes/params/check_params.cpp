@@ -20,6 +20,10 @@ void check_corners(const Vec3& min, const Vec3& max, NodeCheck& check) {
     for (std::size_t n = 0; n < 3; ++n) check_corners(min, max, n, check);
 }
 
+void check_direction(const char* field, const Vec3& direction, NodeCheck& check) {
+    if (direction == Vec3{}) check.fault(field, fmt::format("'{}' has no direction", field));
+}
+
 void check_anchor(const Anchor& anchor, NodeCheck& check) {
     if (anchor.vertex < 0)
         check.fault("anchor",

@@ -12,6 +12,9 @@ namespace fluidcarve {
 bool check_corners(const Vec3& min, const Vec3& max, std::size_t dimension, NodeCheck& check);
 /// The same along all dimensions.
 void check_corners(const Vec3& min, const Vec3& max, NodeCheck& check);
+/// Requires that a vector is not zero.
+/// @param field  the field that holds it
+void check_direction(const char* field, const Vec3& direction, NodeCheck& check);
 /// Requires that an anchor is `low`, `middle`, `high`, or a vertex of at least 0.
 void check_anchor(const Anchor& anchor, NodeCheck& check);
 

@@ -4,6 +4,7 @@
 #include "carve/volume/volume.h"
 #include "graph/types/context.h"
 #include "graph/types/node_check.h"
+#include "nodes/params/check_params.h"
 #include "nodes/python/grid_script.h"
 #include "nodes/python/shared_grids.h"
 
@@ -27,8 +28,7 @@ struct RigPython {
 
     static bool animates(const Params& params) { return params.animate; }
     static void check(const Params& params, NodeCheck& check) {
-        if (openvdb::Vec3d(params.up.data()).length() == 0)
-            check.fault("up", "'up' has no direction");
+        check_direction("up", params.up, check);
         check_script(params, "rig", check.names("inputs"), check);
     }
     static Further depends(const Params& params) { return script_depends(params); }

@@ -341,7 +341,8 @@ TEST_CASE("init knows fire, particles and images, and takes a folder's longest s
 }
 
 TEST_CASE(
-    "carve makes particles, meshes and level sets narrower by a warp, unless told to use seams") {
+    "carve makes particles and level sets narrower by a warp, unless told to use seams, and meshes "
+    "by soft seams") {
     const Scratch scratch;
     std::string cube =
         "ply\nformat ascii 1.0\nelement vertex 4096\nproperty float x\nproperty float y\nproperty "
@@ -372,7 +373,8 @@ TEST_CASE(
     CHECK_THAT(fluidcarve_program("carve tests/data/river/riverbank.obj -20% -o " +
                                   (scratch / "out.obj") + " --print-pipeline")
                    .out,
-               Catch::Contains("seams: {type: warp.solve"));
+               Catch::Contains("seams: {type: seam.pyramid") && Catch::Contains("spread: 8}") &&
+                   Catch::Contains("type: remap.mesh") && Catch::Contains("soft: 12}"));
     REQUIRE(fluidcarve_program("carve " + file + " -20% -o " + (scratch / "out.ply")).code == 0);
     REQUIRE(fluidcarve_program("carve tests/data/plume/plume.0051.vdb -4 -o " +
                                (scratch / "out.vdb") + " --solver warp")

@@ -214,9 +214,9 @@ bool DraftText::warps() const {
     const auto of_seams = [](const auto& field) {
         return field.first == "spread" || field.first == "rigidity" || field.first == "soft";
     };
-    const bool surface = contents_.matter == Matter::level_set ||
-                         contents_.matter == Matter::particles || contents_.matter == Matter::mesh;
-    return surface && std::ranges::none_of(request_.solver_fields, of_seams) &&
+    const bool liquid =
+        contents_.matter == Matter::level_set || contents_.matter == Matter::particles;
+    return liquid && std::ranges::none_of(request_.solver_fields, of_seams) &&
            std::ranges::none_of(request_.remap_fields, of_seams);
 }
 

@@ -171,10 +171,13 @@ void DraftText::mesh() {
     masks("surface");
     box("surface");
     nodes_ += "\n";
-    solver({});
-    carve("carved", "remap.mesh", "sim", {});
+    if (!warps())
+        comment("Seams far apart, carved softly: sharp ones would be creases in the surface.");
+    solver({{"spread", "8"}});
+    const Fields soft{{"soft", "12"}};
+    carve("carved", "remap.mesh", "sim", soft);
     node("out", "mesh.write", {{"source", "carved"}, {"path", "\"${out}\""}});
-    if (!request_.sheet.empty()) carve("level", "remap.grids", "surface", {});
+    if (!request_.sheet.empty()) carve("level", "remap.grids", "surface", soft);
     others("surface", "level", "surface", false);
 }
 

@@ -78,7 +78,7 @@ private:
     /// longest direction.
     void rig_comment();
 
-    /// Whether a warp carves, not seams. In a surface a seam would be a crease, in a wave a cliff.
+    /// Whether a warp carves, not seams. In a wave, a seam would be a cliff.
     bool warps() const;
     /// Without the fields of a name.
     static Fields without(Fields fields, std::string_view name);

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -48,6 +49,38 @@ std::string wrong_output(const CarveArguments& arguments, const DraftFiles& file
     return {};
 }
 
+/// An option that states a parameter of a node of the same name.
+struct ParamOption {
+    const char* name;
+    DraftRequest::Fields DraftRequest::*fields;  ///< those of the node
+    const char* form;                            ///< of the value in a pipeline
+    const char* doc;
+};
+
+constexpr std::array param_options{
+    ParamOption{"empty", &DraftRequest::solver_fields, "{}",
+                "Price of empty space: the higher, the more of the carve goes through the content "
+                "(`empty` of the solver)"},
+    ParamOption{"spread", &DraftRequest::solver_fields, "{}",
+                "How far a seam keeps others away, in voxels (`spread`)"},
+    ParamOption{"rigidity", &DraftRequest::solver_fields, "{}",
+                "How straight seams are (`rigidity`)"},
+    ParamOption{"anchor", &DraftRequest::solver_fields, "{}",
+                "What stays in place: low, middle, high, or a vertex (`anchor`)"},
+    ParamOption{"window", &DraftRequest::solver_fields, "[{}]",
+                "First and last voxel of the box that seams may take, as in 3,20 (`window`)"},
+    ParamOption{"soft", &DraftRequest::remap_fields, "{}",
+                "How softly seams are carved, in voxels; 0 moves whole voxels (`soft` of "
+                "remap.grids)"},
+    ParamOption{"conserve", &DraftRequest::remap_fields, "{}",
+                "mass: keeps the mass of densities (`conserve`)"},
+};
+
+/// The stated value of an option; empty: as the draft has it.
+const std::string& value_of(const ParamOption& option, const CarveArguments& arguments) {
+    return arguments.params.at(option.name);
+}
+
 /// The node type that the arguments ask for; empty if they ask for none.
 std::string solver_type(const CarveArguments& arguments) {
     if (arguments.warp || arguments.solver == "warp") return "warp.solve";
@@ -63,17 +96,9 @@ DraftRequest request_of(const CarveArguments& arguments, const DraftFiles& files
     out.axis = arguments.axis.front();
     out.solver = solver_type(arguments);
     out.protect = arguments.protect;
-    const auto put = [](DraftRequest::Fields& fields, const char* name, const std::string& value) {
-        if (!value.empty()) fields.emplace_back(name, value);
-    };
-    for (const auto& [name, value] :
-         {std::pair("empty", &arguments.empty), std::pair("spread", &arguments.spread),
-          std::pair("rigidity", &arguments.rigidity), std::pair("anchor", &arguments.anchor)})
-        put(out.solver_fields, name, *value);
-    if (!arguments.window.empty())
-        out.solver_fields.emplace_back("window", "[" + arguments.window + "]");
-    put(out.remap_fields, "soft", arguments.soft);
-    put(out.remap_fields, "conserve", arguments.conserve);
+    for (const auto& each : param_options)
+        if (const auto& value = value_of(each, arguments); !value.empty())
+            (out.*each.fields).emplace_back(each.name, fmt::format(fmt::runtime(each.form), value));
     return out;
 }
 
@@ -83,20 +108,16 @@ std::vector<std::string> words_of(const CarveArguments& arguments, const DraftFi
     const CarveArguments fallback;
     std::vector<std::string> out{"carve", files.sequence.path.text(), arguments.count, "-o",
                                  std::filesystem::path(arguments.out).filename().string()};
-    const auto add = [&](const char* name, const std::string& value, const std::string& otherwise) {
+    const auto add = [&](const std::string& name, const std::string& value,
+                         const std::string& otherwise) {
         if (value != otherwise) out.insert(out.end(), {name, value});
     };
     add("--axis", arguments.axis, fallback.axis);
     if (arguments.warp) out.emplace_back("--warp");
     else add("--solver", arguments.solver, {});
     for (const auto& each : arguments.protect) add("--protect", each, {});
-    add("--empty", arguments.empty, {});
-    add("--spread", arguments.spread, {});
-    add("--rigidity", arguments.rigidity, {});
-    add("--anchor", arguments.anchor, {});
-    add("--window", arguments.window, {});
-    add("--soft", arguments.soft, {});
-    add("--conserve", arguments.conserve, {});
+    for (const auto& each : param_options)
+        add(fmt::format("--{}", each.name), value_of(each, arguments), {});
     return out;
 }
 
@@ -119,7 +140,7 @@ std::string wrong_request(const CarveArguments& arguments, const Registry& regis
 void declare_solving(CLI::App& verb, CarveArguments& carve) {
     verb.add_option("--solver", carve.solver,
                     "What finds the seams, a type of the family `seam`, such as pyramid (default: "
-                    "pyramid; for level sets, particles and meshes --warp)")
+                    "pyramid; for level sets and particles --warp)")
         ->type_name("SOLVER");
     verb.add_flag("--warp", carve.warp,
                   "Squeeze or draw out without seams, also by fractions of a voxel");
@@ -130,21 +151,9 @@ void declare_solving(CLI::App& verb, CarveArguments& carve) {
         ->type_name("GRID=VALUE|FILE")
         ->expected(1)
         ->take_all();
-    const auto field = [&](const char* name, std::string& value, const char* doc) {
-        verb.add_option(name, value, doc)->type_name("VALUE");
-    };
-    field("--empty", carve.empty,
-          "Price of empty space: the higher, the more of the carve goes through the content "
-          "(`empty` of the solver)");
-    field("--spread", carve.spread, "How far a seam keeps others away, in voxels (`spread`)");
-    field("--rigidity", carve.rigidity, "How straight seams are (`rigidity`)");
-    field("--anchor", carve.anchor,
-          "What stays in place: low, middle, high, or a vertex (`anchor`)");
-    field("--window", carve.window,
-          "First and last voxel of the box that seams may take, as in 3,20 (`window`)");
-    field("--soft", carve.soft,
-          "How softly seams are carved, in voxels; 0 moves whole voxels (`soft` of remap.grids)");
-    field("--conserve", carve.conserve, "mass: keeps the mass of densities (`conserve`)");
+    for (const auto& each : param_options)
+        verb.add_option(fmt::format("--{}", each.name), carve.params[each.name], each.doc)
+            ->type_name("VALUE");
 }
 
 }  // namespace

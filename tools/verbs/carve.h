@@ -4,6 +4,7 @@
 #include "tools/draft/request.h"
 #include "tools/verbs/arguments.h"
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,9 @@ struct CarveArguments {
     std::string axis = "x", solver;
     bool warp = false;  ///< instead of a solver
     std::vector<std::string> protect;
-    std::string empty, spread, rigidity, anchor, window, soft,
-        conserve;  ///< empty: as the draft has it
+    /// Stated values of options that become parameters of nodes, by name; empty: as the draft has
+    /// it.
+    std::map<std::string, std::string> params;
     bool print_pipeline = false;
     RunArguments run;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/remap/voxels/trilinear.h"
 #include "carve/seam/carve_map.h"
 
 #include <array>
@@ -129,14 +130,10 @@ inline double CarveBlock::smooth(std::size_t step, const openvdb::Vec3d& at) con
     const double u = at[of.axis()], v = at[of.lateral_axis()], w = at[of.slice_axis()];
     const int i = static_cast<int>(u), j = static_cast<int>(v), k = static_cast<int>(w);
     const float* const a = table.smooth.data() + table.cell(i, j, k, of);
-    const float *const b = a + table.size[0], *const c = a + table.size[0] * table.size[1],
-                       *const d = c + table.size[0];
-    const auto x = static_cast<float>(u - i), y = static_cast<float>(v - j),
-               z = static_cast<float>(w - k);
-    // Equal values stay equal to the last bit.
-    const auto mix = [](float from, float to, float part) { return from + (to - from) * part; };
-    return mix(mix(mix(a[0], a[1], x), mix(b[0], b[1], x), y),
-               mix(mix(c[0], c[1], x), mix(d[0], d[1], x), y), z);
+    return trilinear([a](std::size_t n) { return a[n]; },
+                     {1, table.size[0], table.size[0] * table.size[1]},
+                     std::array{static_cast<float>(u - i), static_cast<float>(v - j),
+                                static_cast<float>(w - k)});
 }
 
 inline std::optional<CarveBlock::Rigid> CarveBlock::rigid_at(openvdb::Vec3d at) const {

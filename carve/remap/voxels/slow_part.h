@@ -1,6 +1,7 @@
 #pragma once
 
 #include "carve/remap/voxels/blend.h"
+#include "carve/remap/voxels/trilinear.h"
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tree/LeafManager.h>
@@ -61,10 +62,9 @@ public:
         const auto along_z = count_, along_y = count_ * static_cast<std::size_t>(size_.z()),
                    along_x = along_y * static_cast<std::size_t>(size_.y());
         const float* const from = values_.data() + low * count_ + component;
-        const auto mix = [](float a, float b, float t) { return a + (b - a) * t; };
-        const auto line = [&](std::size_t n) { return mix(from[n], from[n + along_z], part[2]); };
-        const auto face = [&](std::size_t n) { return mix(line(n), line(n + along_y), part[1]); };
-        return background_[component] + mix(face(0), face(along_x), part[0]);
+        return background_[component] + trilinear([from](std::size_t n) { return from[n]; },
+                                                  {along_z, along_y, along_x},
+                                                  std::array{part[2], part[1], part[0]});
     }
 
 private:

@@ -4,6 +4,7 @@
 #include "carve/lattice/snap.h"
 #include "carve/remap/voxels/blend.h"
 #include "carve/remap/voxels/blocks.h"
+#include "carve/remap/voxels/trilinear.h"
 
 #include <algorithm>
 #include <array>
@@ -94,14 +95,8 @@ public:
         const openvdb::math::Vec3<Weight> weight(t);
         const auto across = static_cast<std::size_t>(size_.z()),
                    along = across * static_cast<std::size_t>(size_.y());
-        const auto mix = [](const Result& a, const Result& b, Weight w) {
-            return Result(a + (b - a) * w);
-        };
-        const auto pair = [&](std::size_t n) {
-            return mix(part(values[n]), part(values[n + 1]), weight.z());
-        };
-        const auto face = [&](std::size_t n) { return mix(pair(n), pair(n + across), weight.y()); };
-        return mix(face(0), face(along), weight.x());
+        return trilinear([&](std::size_t n) { return Result(part(values[n])); }, {1, across, along},
+                         std::array{weight.z(), weight.y(), weight.x()});
     }
 
     /// The cells that hold eight points.
