@@ -438,7 +438,7 @@ private:
                         return Payload(
                             Node::digest(*params, *static_cast<const Ports*>(ports), context));
                     };
-                    out.take = [params, node](const Payload& digest, Context& context) {
+                    out.consume = [params, node](const Payload& digest, Context& context) {
                         node->add(*params, digest.as<Digest>(), context);
                     };
                 } else {

@@ -141,12 +141,12 @@ void NodeCalls::load_once(std::size_t n) {
 
 void NodeCalls::call_for_frame(Work work, std::size_t n, FrameRun& frame, const Body& body) {
     BodyHost host(setup_, provenance_, n);
-    const bool good = call(host, &frame, work == Work::take ? "digest" : "run", body);
+    const bool good = call(host, &frame, work == Work::consume ? "digest" : "run", body);
     frame.failed[n] = !good;
-    setup_.events.ran(work, n, frame.place, host.seconds(), io_.bytes(frame.outputs[n]));
-    if (good && work == Work::take) keep_digest(host, frame.place, frame.outputs[n].front());
+    setup_.events.body_ended(work, n, frame.place, host.seconds(), io_.bytes(frame.outputs[n]));
+    if (good && work == Work::consume) keep_digest(host, frame.place, frame.outputs[n].front());
     if (good && work == Work::frame) keep(host, frame.place, frame.outputs[n]);
-    setup_.events.done(work, n, host.span, frame_number(frame.place), good);
+    setup_.events.call_ended(work, n, host.span, frame_number(frame.place), good);
 }
 
 void NodeCalls::run(std::size_t n, FrameRun& frame, const Wiring& wiring, bool target) {
@@ -181,7 +181,7 @@ void NodeCalls::digest(std::size_t n, FrameRun& frame, const Wiring& wiring) {
     } else if (how == Consume::inputs && hopeless(n, frame, wiring)) {
         frame.failed[n] = true;
     } else if (how == Consume::inputs) {
-        call_for_frame(Work::take, n, frame, [&](void* ports, Context& context) {
+        call_for_frame(Work::consume, n, frame, [&](void* ports, Context& context) {
             frame.outputs[n] = {behaviours_[n].digest(ports, context)};
         });
     }
@@ -189,10 +189,10 @@ void NodeCalls::digest(std::size_t n, FrameRun& frame, const Wiring& wiring) {
 
 bool NodeCalls::consume_now(BodyHost& host, const FrameRun& frame) {
     const auto& behaviour = behaviours_[host.node];
-    if (!behaviour.digest) return call(host, &frame, "take", behaviour.add);
-    return guarded(host.node, frame_number(frame.place), "take", [&] {
+    if (!behaviour.digest) return call(host, &frame, "consume", behaviour.add);
+    return guarded(host.node, frame_number(frame.place), "consume", [&] {
         auto where = context(host, &frame);
-        behaviour.take(frame.outputs[host.node].at(0), where);
+        behaviour.consume(frame.outputs[host.node].at(0), where);
     });
 }
 
@@ -204,8 +204,9 @@ bool NodeCalls::consume(std::size_t n, FrameRun& frame, const Wiring& wiring, bo
         BodyHost host(setup_, provenance_, n);
         if (good && all) good = consume_now(host, frame);
         if (!behaviours_[n].digest) {
-            setup_.events.ran(Work::take, n, frame.place, host.seconds(), 0);
-            setup_.events.done(Work::take, n, host.span, frame_number(frame.place), good && all);
+            setup_.events.body_ended(Work::consume, n, frame.place, host.seconds(), 0);
+            setup_.events.call_ended(Work::consume, n, host.span, frame_number(frame.place),
+                                     good && all);
         }
         if (good && all) {
             setup_.events.gathered(n, frame.place);
@@ -237,14 +238,14 @@ void NodeCalls::finish_from_cached(BodyHost& host, void* ports, Context& context
 
 void NodeCalls::end_once(BodyHost& host, bool good, bool delivers) {
     const auto n = host.node;
-    setup_.events.ran_once(n, host.seconds(), io_.bytes(held_[n]), good);
+    setup_.events.once_body_ended(n, host.seconds(), io_.bytes(held_[n]), good);
     if (!good) fatal_ = true;
     else if (delivers) keep(host, 0, held_[n]);
     CostSetting at;
     at.gathered = gathered_[n];
     const double share = good ? 1 : setup_.cancelled() ? host.share() : 0;
     if (share > 0) host.count_items(good && !held_[n].empty() ? &held_[n][0] : nullptr, at);
-    setup_.events.done_once(n, host.span, good, share, at);
+    setup_.events.once_call_ended(n, host.span, good, share, at);
 }
 
 void NodeCalls::finish(std::size_t n) {
@@ -270,7 +271,7 @@ void NodeCalls::once(std::size_t n, bool target) {
         });
         if (behaviour.add && connected) behaviour.add(ports, context);
         if (behaviour.digest && connected)
-            behaviour.take(behaviour.digest(ports, context), context);
+            behaviour.consume(behaviour.digest(ports, context), context);
         if (behaviour.finish) finish_from_cached(host, ports, context);
         if (behaviour.run) behaviour.run(ports, context);
         held_[n] = io_.collect(n, ports);

@@ -30,10 +30,10 @@ MemoryNow memory_now() {
 }
 
 std::string out_of_memory(std::string_view what, std::size_t frames, const MemoryNow& memory) {
-    const auto doing = what == "digest"   ? "while it took what it needs of the frame"
-                       : what == "take"   ? "while it gathered the frame"
-                       : what == "finish" ? "while it worked on all that it had gathered"
-                                          : "while it ran";
+    const auto doing = what == "digest"    ? "while it took what it needs of the frame"
+                       : what == "consume" ? "while it gathered the frame"
+                       : what == "finish"  ? "while it worked on all that it had gathered"
+                                           : "while it ran";
     const bool crowded = frames > 1 && memory.held > memory.free;
     return fmt::format(
         "out of memory {}: {}", doing,

@@ -12,23 +12,24 @@ void RunEvents::begin(const Schedule& schedule) {
                 steps_[n][static_cast<std::size_t>(work)] =
                     progress_.add({report_.name(n), runs, costs_.expected(n, work)});
         };
-        add(Work::take, calls_[n].consumed);
+        add(Work::consume, calls_[n].consumed);
         const bool finishes = schedule.gathers[n] != 0;
         add(Work::once, finishes || (calls_[n].once && calls_[n].runs == 0) ? 1 : 0);
         add(Work::frame, calls_[n].runs);
     }
 }
 
-void RunEvents::ran(Work work, std::size_t node, std::size_t place, double seconds,
-                    std::uint64_t bytes) {
-    if (work == Work::take) report_.took(node, place, seconds, bytes);
+void RunEvents::body_ended(Work work, std::size_t node, std::size_t place, double seconds,
+                           std::uint64_t bytes) {
+    if (work == Work::consume) report_.consumed(node, place, seconds, bytes);
     else report_.ran(node, place, seconds, bytes);
 }
 
-void RunEvents::done(Work work, std::size_t node, WorkTimes::Span& span, int frame, bool good) {
+void RunEvents::call_ended(Work work, std::size_t node, WorkTimes::Span& span, int frame,
+                           bool good) {
     const auto seconds = span.end();
     const auto& calls = calls_[node];
-    const double abreast = options_.abreast(work == Work::take ? calls.consumed : calls.runs);
+    const double abreast = options_.abreast(work == Work::consume ? calls.consumed : calls.runs);
     if (good) costs_.add(node, work, seconds, {abreast, abreast, 0, 0, 0, 0});
     progress_.done(step(node, work).value(), seconds, frame);
 }
@@ -42,8 +43,8 @@ void RunEvents::advanced(std::size_t node, double share, double seconds) {
     if (const auto once = step(node, Work::once)) progress_.part(*once, share, seconds);
 }
 
-void RunEvents::done_once(std::size_t node, WorkTimes::Span& span, bool good, double share,
-                          CostSetting at) {
+void RunEvents::once_call_ended(std::size_t node, WorkTimes::Span& span, bool good, double share,
+                                CostSetting at) {
     // What was stopped counts by the share of its work that it had done, unless that is too little
     // to tell the rest.
     constexpr double least = 0.05;

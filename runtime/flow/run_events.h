@@ -35,7 +35,7 @@ public:
     /// A frame is done with a pass. @param frame  its number
     void passed(int frame) { progress_.passed(frame); }
 
-    /// A body at work, until the span ends: what `done` and `done_once` count.
+    /// A body at work, until the span ends: what `call_ended` and `once_call_ended` count.
     WorkTimes::Span work() { return WorkTimes::Span(costs_); }
     /// An event of the profile, until the span ends (RunProfile::Span).
     /// @param happens  false: nothing is recorded
@@ -45,12 +45,13 @@ public:
     }
 
     /// The body of a node ended for the frame at a place.
-    /// @param work  Work::frame or Work::take
-    void ran(Work work, std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
+    /// @param work  Work::frame or Work::consume
+    void body_ended(Work work, std::size_t node, std::size_t place, double seconds,
+                    std::uint64_t bytes);
     /// A gathering node has consumed the frame at a place.
     void gathered(std::size_t node, std::size_t place) { report_.gathered(node, place); }
-    /// Work for one frame is done. @param good  whether it came to its end
-    void done(Work work, std::size_t node, WorkTimes::Span& span, int frame, bool good);
+    /// The call for one frame ended, and its result is kept. @param good  whether it came to its end
+    void call_ended(Work work, std::size_t node, WorkTimes::Span& span, int frame, bool good);
     /// A cached result was loaded.
     void loaded(std::size_t node, WorkTimes::Span& span);
     /// A node that runs once now holds a cached result.
@@ -63,15 +64,15 @@ public:
         report_.grew(node, items, of);
     }
     /// A body that is called once ended.
-    void ran_once(std::size_t node, double seconds, std::uint64_t bytes, bool good) {
+    void once_body_ended(std::size_t node, double seconds, std::uint64_t bytes, bool good) {
         report_.ended(node, seconds, bytes, good);
     }
-    /// Work of a body that is called once is done.
+    /// The same of its call.
     /// @param good   whether it came to its end
     /// @param share  of the work that it did, 0 to 1
     /// @param at     its setting; threads and cores are added here
-    void done_once(std::size_t node, WorkTimes::Span& span, bool good, double share,
-                   CostSetting at);
+    void once_call_ended(std::size_t node, WorkTimes::Span& span, bool good, double share,
+                         CostSetting at);
 
     void warned(std::size_t node, const std::string& message) { report_.warn(node, message); }
     /// As `warned`, and shows the warning now.

@@ -184,7 +184,7 @@ std::string goes_on(const Node& node, const std::optional<GrownResult>& grown) {
 
 const std::array<std::pair<Work, const char*>, work_kinds> names_of_work{
     std::pair{Work::frame, "frame"},
-    {Work::take, "take"},
+    {Work::consume, "consume"},
     {Work::load, "load"},
     {Work::once, "once"}};
 

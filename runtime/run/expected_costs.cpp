@@ -42,7 +42,7 @@ std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation
             cost = WorkTime{seconds_in(*cost, now), now};
         };
         adapt(Work::frame, calls[n].runs);
-        adapt(Work::take, calls[n].consumed);
+        adapt(Work::consume, calls[n].consumed);
         adapt(Work::load, calls[n].loads);
         adapt(Work::once, 1);
         if (const auto then = out[n].bytes_of_input, bytes = prepared.inputs().frame_bytes;
@@ -57,7 +57,7 @@ std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation
 double expected_seconds(const NodeCost& cost, const Calls& calls, bool& known) {
     double out = 0;
     for (const auto& [work, times] :
-         {std::pair(Work::frame, calls.runs), std::pair(Work::take, calls.consumed),
+         {std::pair(Work::frame, calls.runs), std::pair(Work::consume, calls.consumed),
           std::pair(Work::load, calls.loads),
           std::pair(Work::once, std::size_t{calls.once ? 1U : 0U})}) {
         if (times == 0) continue;

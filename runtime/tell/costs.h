@@ -17,7 +17,7 @@ struct CostSetting {
     double abreast = 1;
     double cores = 1;               ///< cores that a body called once kept busy
     std::uint64_t input_bytes = 0;  ///< memory of a frame, as the readers estimate it
-    std::size_t gathered = 0;       ///< frames that a gathering node had taken
+    std::size_t gathered = 0;       ///< frames that a gathering node had consumed
     std::size_t items = 0;          ///< items of a growing result (Growth) that were found
     std::size_t all_items = 0;      ///< 100 % of a count of items (Extent::of)
 };
@@ -35,10 +35,10 @@ double seconds_in(const WorkTime& cost, const CostSetting& now);
 
 /// The kinds of work of a node.
 enum class Work : std::size_t {
-    frame,  ///< to compute a frame, and to keep it
-    take,   ///< for a gathering node, to take a frame from its inputs
-    load,   ///< to load a cached result
-    once,   ///< to finish, or to run once
+    frame,    ///< to compute a frame, and to keep it
+    consume,  ///< for a gathering node, to consume a frame of its inputs
+    load,     ///< to load a cached result
+    once,     ///< to finish, or to run once
 };
 constexpr std::size_t work_kinds = 4;
 

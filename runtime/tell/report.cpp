@@ -55,7 +55,7 @@ void Report::ran(std::size_t node, std::size_t place, double seconds, std::uint6
     stats.most_bytes = std::max(stats.most_bytes, bytes);
 }
 
-void Report::took(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes) {
+void Report::consumed(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes) {
     const std::lock_guard lock(mutex_);
     auto& stats = stats_[node];
     stats.taken.insert(place);

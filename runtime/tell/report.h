@@ -52,7 +52,7 @@ public:
     /// @param bytes  size of the result in memory
     void ran(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
     /// A gathering node took one frame from its inputs.
-    void took(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
+    void consumed(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
     /// A gathering node has taken one frame, from its inputs or from a cached digest.
     void gathered(std::size_t node, std::size_t place);
     /// So many items of a growing result are kept. @param of  the wanted number of items

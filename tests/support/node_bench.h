@@ -64,7 +64,9 @@ public:
     Payload digest(const Inputs& inputs, Context context = {}) const {
         return behaviour_.digest(ports(inputs).get(), context);
     }
-    void take(const Payload& digest, Context context = {}) { behaviour_.take(digest, context); }
+    void consume(const Payload& digest, Context context = {}) {
+        behaviour_.consume(digest, context);
+    }
     /// By way of the digest if there is one.
     void add(const Inputs& inputs, Context context = {}) {
         if (behaviour_.digest) take(digest(inputs, context), context);

@@ -93,7 +93,7 @@ inline Solved solve(NodeType type, const std::string& yaml,
             Context(out.listener, frames).limits(otherwise.memory_budget, otherwise.work_folder);
         if (adds > 1) context.at(t);
         const auto digest = bench.digest(inputs, context);
-        bench.take(otherwise.digest ? otherwise.digest(digest) : digest, context);
+        bench.consume(otherwise.digest ? otherwise.digest(digest) : digest, context);
     }
     if (otherwise.before) bench.resume(Payload(otherwise.before), otherwise.reported);
     const auto context =

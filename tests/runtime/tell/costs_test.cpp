@@ -37,9 +37,9 @@ TEST_CASE("while two bodies work at once, each counts for half of the time") {
 
 TEST_CASE("of several calls the mean counts, and the latest setting") {
     std::vector<NodeCost> expected(1);
-    expected[0][Work::take] = WorkTime{3, {}};
+    expected[0][Work::consume] = WorkTime{3, {}};
     WorkTimes costs(expected);
-    CHECK(costs.expected(0, Work::take) == 3);
+    CHECK(costs.expected(0, Work::consume) == 3);
     CHECK(!costs.expected(0, Work::frame));
     CHECK(!costs.of(0)[Work::frame]);
     costs.add(0, Work::frame, 1, {1, 1, 0, 0, 0, 0});

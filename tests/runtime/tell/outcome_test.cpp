@@ -25,7 +25,7 @@ TEST_CASE(
           "out of memory while it took what it needs of the frame: it wanted more in one piece "
           "than is free (100 MB held by the run, 900 MB free); "
           "give it a smaller volume or a coarser lattice, or the run more memory");
-    CHECK(out_of_memory("take", 1, {900 * mb, 100 * mb}) ==
+    CHECK(out_of_memory("consume", 1, {900 * mb, 100 * mb}) ==
           "out of memory while it gathered the frame: it wanted more in one piece than is free "
           "(900 MB held by the run, 100 MB free); "
           "give it a smaller volume or a coarser lattice, or the run more memory");
