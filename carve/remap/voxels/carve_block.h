@@ -130,8 +130,9 @@ inline double CarveBlock::smooth(std::size_t step, const openvdb::Vec3d& at) con
     const double u = at[of.axis()], v = at[of.lateral_axis()], w = at[of.slice_axis()];
     const int i = static_cast<int>(u), j = static_cast<int>(v), k = static_cast<int>(w);
     const float* const a = table.smooth.data() + table.cell(i, j, k, of);
-    return trilinear([a](std::size_t n) { return a[n]; },
-                     {1, table.size[0], table.size[0] * table.size[1]},
+    const auto above = static_cast<std::size_t>(table.size[0]),
+               behind = above * static_cast<std::size_t>(table.size[1]);
+    return trilinear([a](std::size_t n) { return a[n]; }, {1, above, behind},
                      std::array{static_cast<float>(u - i), static_cast<float>(v - j),
                                 static_cast<float>(w - k)});
 }
