@@ -66,4 +66,12 @@ Colour diverging(double fraction) {
     return between(diverging_steps, std::isnan(fraction) ? 0.5 : (fraction + 1) / 2);
 }
 
+double on_screen(double light) { return 255 * std::pow(std::max(light, 0.0), 1 / 2.2); }
+
+double of_screen(double value) { return std::pow(std::max(value, 0.0) / 255, 2.2); }
+
+std::uint8_t screen_byte(double value) {
+    return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+}
+
 }  // namespace fluidcarve

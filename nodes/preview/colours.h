@@ -23,4 +23,10 @@ Colour flame(double fraction);
 /// rises evenly from 0 to both sides; opposite values are equally light.
 Colour diverging(double fraction);
 
+/// Convert linear light to a screen value, 0 to 255 (gamma 2.2), and back.
+double on_screen(double light);
+double of_screen(double value);
+/// A screen value, rounded and clamped.
+std::uint8_t screen_byte(double value);
+
 }  // namespace fluidcarve

@@ -2,6 +2,7 @@
 
 #include "carve/base/failure.h"
 #include "carve/field/extent.h"
+#include "nodes/preview/picture_scene.h"
 
 #include <fmt/format.h>
 #include <openvdb/tools/Filter.h>
@@ -14,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace fluidcarve {
 
@@ -277,23 +279,21 @@ std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const View
     return out;
 }
 
-std::uint8_t byte(double value) {
-    return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
-}
-
-/// Convert linear light to a screen value, 0 to 255 (gamma 2.2), and back.
-double on_screen(double light) { return 255 * std::pow(std::max(light, 0.0), 1 / 2.2); }
-double of_screen(double value) { return std::pow(value / 255, 2.2); }
-
 }  // namespace
+
+std::vector<FloatGrid::ConstPtr> Scene::grids() const {
+    std::vector<FloatGrid::ConstPtr> out{smoke, fire, water};
+    if (picture) out.insert(out.end(), picture->channels.begin(), picture->channels.end());
+    std::erase(out, nullptr);
+    return out;
+}
 
 openvdb::CoordBBox Scene::box() const {
     openvdb::CoordBBox out;
-    for (const auto& grid : {smoke, fire, water})
-        if (grid) {
-            const auto active = grid->evalActiveVoxelBoundingBox();
-            if (!active.empty()) out.expand(active);
-        }
+    for (const auto& grid : grids()) {
+        const auto active = grid->evalActiveVoxelBoundingBox();
+        if (!active.empty()) out.expand(active);
+    }
     return out;
 }
 
@@ -310,6 +310,8 @@ Scene scene_of(const Volume& volume, const std::string& input,
                         "another grid, or choose 'show: maximum'",
                         shown->getName(), input, shown->valueType()));
     if (grid->getGridClass() == openvdb::GRID_LEVEL_SET) return {nullptr, nullptr, {}, grid};
+    if (auto picture = picture_in(volume, grid))
+        return {nullptr, nullptr, {}, nullptr, std::move(picture)};
     const bool burns = glows(shown->getName());
     const auto other =
         openvdb::gridConstPtrCast<FloatGrid>(volume.find(burns ? "density" : "flame"));
@@ -332,6 +334,7 @@ void Exposure::meter(const Scene& scene) {
 
 Render render(const Scene& scene, View view, const openvdb::CoordBBox& box,
               const Exposure& exposure) {
+    if (scene.picture) return render_picture(*scene.picture, view, box, exposure.gain);
     const ViewWindow window(view, box);
     const auto smoke = medium(scene.smoke, exposure.smoke);
     const auto fire = medium(scene.fire, exposure.fire);
@@ -356,7 +359,7 @@ Render render(const Scene& scene, View view, const openvdb::CoordBBox& box,
             const double given = daylight * (light.r + ambient_light * light.a) + warm * scattered;
             const double seen = exposure.gain * given + of_screen(behind) * (1 - light.a);
             // Fire hides what is behind it.
-            return byte(on_screen(seen) * (1 - heat) * (1 - heat) + glow);
+            return screen_byte(on_screen(seen) * (1 - heat) * (1 - heat) + glow);
         };
         out.picture.pixels.push_back({shade(red, render_background.red, flame.red),
                                       shade(green, render_background.green, flame.green),

@@ -3,17 +3,29 @@
 #include "nodes/preview/canvas.h"
 #include "nodes/preview/projection.h"
 
+#include <array>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace fluidcarve {
+
+/// The channels of a picture.
+struct PictureScene {
+    std::array<FloatGrid::ConstPtr, 3> channels;  ///< red, green, blue; not null
+    bool linear = false;  ///< whether values are light; else they are sRGB, 0 to 1
+};
 
 /// The grids of a volume that are rendered. Any may be null; all have the same transform.
 struct Scene {
     FloatGrid::ConstPtr smoke;
     FloatGrid::ConstPtr fire;
     std::string left_out;  ///< name of a grid that is not rendered because it has another transform
-    FloatGrid::ConstPtr water = nullptr;  ///< a level set; the others are then null
+    FloatGrid::ConstPtr water = nullptr;       ///< a level set; the others are then null
+    std::optional<PictureScene> picture = {};  ///< the others are then null
 
+    /// The grids that are not null.
+    std::vector<FloatGrid::ConstPtr> grids() const;
     /// Index box of the active voxels of all grids.
     openvdb::CoordBBox box() const;
 };
@@ -23,7 +35,8 @@ struct Scene {
 bool glows(const std::string& name);
 
 /// The shown grid and its counterpart, if the volume has it as a float grid: `flame` for smoke,
-/// `density` for fire. A level set is rendered as the surface of water.
+/// `density` for fire. A level set is rendered as the surface of water, a channel of a picture as
+/// the picture.
 /// @param input  the input's name, for messages
 /// @param shown  a grid of the volume
 /// @throws Failure if the shown grid holds no floats

@@ -311,8 +311,9 @@ NodeType preview_sheet() {
             "highest value of each line of sight: look at a render first. `render` shows "
             "`before` and `after` as smoke, lit from the upper left with shadows, and as "
             "glowing fire. A grid named `flame`, `temperature` or `heat` is fire, a level set is "
-            "the surface of water, lit at a low angle so that waves show, any other grid is "
-            "smoke; smoke is shown with the volume's `flame`, fire with its `density`. All "
+            "the surface of water, lit at a low angle so that waves show, a channel of a picture "
+            "is the whole picture in its colours, any other grid is smoke; smoke is shown with the "
+            "volume's `flame`, fire with its `density`. All "
             "renders share one exposure: the highest values of `before` in the frames shown are "
             "the thickest smoke and the brightest fire; so the grids of these frames stay in "
             "memory until the last one. Energy and seams are always a slice.")
@@ -339,7 +340,7 @@ NodeType preview_sheet() {
                "one.")
         .required("path", &Sheet::Params::path,
                   "File that ends in .png, one for the whole sequence. Missing folders are made.")
-        .version(3);
+        .version(4);
 }
 
 }  // namespace fluidcarve

@@ -105,6 +105,7 @@ void SheetRows::add(SheetFrame data) {
     scenes_.expand(frame.data.before_scene.box());
     scenes_.expand(frame.data.after_scene.box());
     exposure_.meter(frame.data.before_scene);
+    picture_ = frame.data.before_scene.picture.has_value();
     if (!shows(Show::slice)) frame.data.before = frame.data.after = nullptr;
     frames_.push_back(std::move(frame));
     if (request_.slice) slice(frames_.size() - 1, *request_.slice);
@@ -118,9 +119,9 @@ void SheetRows::require_room(const Shown& frame) const {
     for (const auto* grid : {data.before.get(), data.after.get()}) require(grid);
     require(data.energy.get());
     for (const auto* scene : {&data.before_scene, &data.after_scene})
-        for (const auto* grid : {scene->smoke.get(), scene->fire.get()}) {
-            require(grid);
-            if (grid) require_dense_fits(*grid, sizeof(float), request_.budget);
+        for (const auto& grid : scene->grids()) {
+            require(grid.get());
+            if (grid != scene->water) require_dense_fits(*grid, sizeof(float), request_.budget);
         }
 }
 
@@ -211,7 +212,7 @@ std::string SheetRows::text_of(const Kind& kind, int plane) const {
     const auto slice = fmt::format("slice at {} = {}", axis, plane);
     if (kind.how == Show::render)
         return fmt::format(
-            "lit, seen along {}{}", axis,
+            "{}seen along {}{}", picture_ ? "" : "lit, ", axis,
             request_.exposure != 0 ? fmt::format(", exposure {:+g}", request_.exposure) : "");
     const bool sliced = kind.how == Show::slice;
     if (kind.what == Kind::What::difference)

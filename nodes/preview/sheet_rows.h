@@ -87,6 +87,7 @@ private:
     openvdb::CoordBBox scenes_;            ///< box of all scenes in all frames
     Exposure exposure_;                    ///< metered on the scenes of `before`
     std::array<SeenDirection, 3> axes_{};  ///< the world's axes in the first frame
+    bool picture_ = false;                 ///< whether the scenes are pictures
     bool face_ = false;                    ///< whether seams face the viewer
 };
 

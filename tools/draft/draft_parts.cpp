@@ -114,8 +114,7 @@ void DraftText::paced_sheet(const char* shown, const std::string& grid) {
                             contents_.matter == Matter::mesh;
     comment("Some of its frames in one picture.");
     Fields fields{{"before", shown}, {"grid", grid}};
-    if (contents_.matter != Matter::image && !contents_.vectors)
-        fields.emplace_back("show", "render");
+    if (!contents_.vectors) fields.emplace_back("show", "render");
     fields.emplace_back("axis", contents_.y_up == from_above ? "y" : "z");
     fields.emplace_back("path", "\"${sheet}\"");
     node("sheet", "preview.sheet", fields);
@@ -275,8 +274,7 @@ void DraftText::others(const std::string& before, const std::string& after, cons
                                                                : (axis_ == 'y' ? "x" : "y");
     Fields fields{{"before", before},   {"after", after},   {"grid", yaml_scalar(grid)},
                   {"energy", "energy"}, {"lattice", "box"}, {"seams", "seams"}};
-    if (render) fields.emplace_back("show", "render");
-    else if (contents_.matter != Matter::image) fields.emplace_back("show", "slice");
+    fields.emplace_back("show", render ? "render" : "slice");
     fields.emplace_back("axis", view);
     fields.emplace_back("path", "\"${sheet}\"");
     node("sheet", "preview.sheet", fields);

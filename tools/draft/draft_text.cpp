@@ -157,7 +157,7 @@ void DraftText::image() {
         {{"field", "edges.intensity"}, {"field_weight", "5"}, {"spread", "1"}, {"empty", "0.2"}});
     carve("carved", "remap.grids", "sim", {{"soft", "1"}});
     node("out", "image.write", {{"source", "carved"}, {"path", "\"${out}\""}});
-    others("sim", "carved", contents_.main, false);
+    others("sim", "carved", contents_.main, true);
 }
 
 void DraftText::mesh() {

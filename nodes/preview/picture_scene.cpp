@@ -1,0 +1,77 @@
+#include "nodes/preview/picture_scene.h"
+
+#include "formats/image/image.h"
+#include "formats/image/image_channels.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fluidcarve {
+
+namespace {
+
+constexpr int most_pixels = 400;  // maximum pixels on the longer side
+
+/// Sums of the pixels' light.
+struct Sum {
+    std::array<double, 3> light{};
+    int voxels = 0;
+};
+
+Colour colour_of(const Sum& sum, double gain) {
+    if (sum.voxels == 0) return render_background;
+    const auto shown = [&](double light) {
+        return screen_byte(on_screen(gain * light / sum.voxels));
+    };
+    return {shown(sum.light[0]), shown(sum.light[1]), shown(sum.light[2])};
+}
+
+}  // namespace
+
+std::optional<PictureScene> picture_in(const Volume& volume, const FloatGrid::ConstPtr& shown) {
+    const auto depth = meta(*shown, depth_key, std::string());
+    if (depth.empty()) return std::nullopt;
+    PictureScene out{{shown, shown, shown}, depth == "half" || depth == "float"};
+    const auto names = colours_of(volume.given_names());
+    for (std::size_t n = 0; n < names.size(); ++n) {
+        out.channels[n] = openvdb::gridConstPtrCast<FloatGrid>(volume.find(names[n]));
+        if (!out.channels[n]) out.channels[n] = shown;
+    }
+    return out;
+}
+
+Render render_picture(const PictureScene& scene, View view, const openvdb::CoordBBox& box,
+                      double gain) {
+    auto area = face_of(box, view);
+    int cell = 1;
+    while (std::max(area.size(0), area.size(1)) / cell >= most_pixels) cell *= 2;
+    const auto cells = in_cells(area, cell);
+    for (const int side : {0, 1}) {
+        area.first[side] = cells.first[side] * cell;
+        area.last[side] = cells.last[side] * cell + cell - 1;
+    }
+    const int width = cells.size(0), height = cells.size(1);
+    std::vector<Sum> sums(static_cast<std::size_t>(width) * height);
+    const auto& [red, green, blue] = scene.channels;
+    std::array accessors{red->getConstAccessor(), green->getConstAccessor(),
+                         blue->getConstAccessor()};
+    const auto [right, up] = picture_axes(view);
+    for (auto at = box.begin(); at; ++at) {
+        if (!accessors[0].isValueOn(*at)) continue;
+        const int x = floor_div((*at)[right], cell) - cells.first[0],
+                  y = cells.last[1] - floor_div((*at)[up], cell);
+        auto& sum = sums[static_cast<std::size_t>(y) * width + x];
+        ++sum.voxels;
+        for (std::size_t n = 0; n < 3; ++n) {
+            const double value = accessors[n].getValue(*at);
+            if (!std::isfinite(value)) continue;
+            sum.light[n] += scene.linear ? value : of_screen(255 * value);
+        }
+    }
+    Render out{area, {width, height, {}}};
+    out.picture.pixels.reserve(sums.size());
+    for (const auto& sum : sums) out.picture.pixels.push_back(colour_of(sum, gain));
+    return out;
+}
+
+}  // namespace fluidcarve
