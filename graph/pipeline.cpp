@@ -17,6 +17,15 @@ Problems warnings_of(const Pipeline& pipeline) {
     for (const auto& node : pipeline.nodes)
         for (const auto& warning : node.warnings)
             add(out, warning.at, fmt::format("warning: {} {}", node.type->name, warning.message));
+    const auto leaves = pipeline.leaves();
+    const auto ends = [&](std::size_t n) { return pipeline.nodes[n].outputs.empty(); };
+    if (std::ranges::none_of(leaves, ends)) return out;
+    for (const auto n : leaves)
+        if (const auto& node = pipeline.nodes[n]; !ends(n))
+            add(out, node.mark,
+                fmt::format("warning: '{}' ({}) runs, although no node takes its outputs: connect "
+                            "it, or leave it out",
+                            node.name, node.type->name));
     return out;
 }
 

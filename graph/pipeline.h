@@ -84,8 +84,8 @@ struct Pipeline {
 /// name.
 const std::string& taken_by(const Pipeline& pipeline, const Link& link);
 
-/// All warnings of `check`: about the sequence, existing files and nodes. Messages begin with
-/// "warning:".
+/// All warnings of `check`: about the sequence, existing files, nodes, and, if others write, nodes
+/// whose outputs no node takes. Messages begin with "warning:".
 Problems warnings_of(const Pipeline& pipeline);
 
 }  // namespace fluidcarve

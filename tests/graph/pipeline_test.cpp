@@ -54,6 +54,18 @@ nodes:
         "node type 'toy.passing': it has no input 'numbre' whose grids 'sum' could have");
 }
 
+TEST_CASE("check warns of a node whose outputs no node takes, if another one writes") {
+    const Scratch scratch;
+    CHECK(warnings_of(check(scratch, good).pipeline).empty());
+    const auto idle = good + "  idle: {type: toy.add, numbers: count}\n";
+    CHECK(to_text(warnings_of(check(scratch, idle).pipeline)) ==
+          scratch / "p.yaml" +
+              ":11:3: warning: 'idle' (toy.add) runs, although no node takes its "
+              "outputs: connect it, or leave it out\n");
+    const auto tried = good.substr(0, good.find("  print:"));
+    CHECK(warnings_of(check(scratch, tried).pipeline).empty());
+}
+
 TEST_CASE(
     "a node that gathers gives one result for all frames, or one per frame, as its `animates` "
     "and its inputs say") {
