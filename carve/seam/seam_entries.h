@@ -32,6 +32,14 @@ public:
         return out;
     }
 
+    /// The entries of a seam that is the same in all frames.
+    static SeamEntries repeated(std::span<const std::uint16_t> frame, std::size_t frames) {
+        std::vector<std::uint16_t> out;
+        out.reserve(frame.size() * frames);
+        for (std::size_t t = 0; t < frames; ++t) out.insert(out.end(), frame.begin(), frame.end());
+        return out;
+    }
+
     bool on_disk() const { return file_ != nullptr; }
     std::span<const std::uint16_t> all() const {
         if (file_) return std::as_const(*file_).entries(0);

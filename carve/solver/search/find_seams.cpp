@@ -2,10 +2,11 @@
 
 #include "carve/solver/costs/half.h"
 #include "carve/solver/search/coarse.h"
+#include "carve/solver/search/deleted_entries.h"
 #include "carve/solver/search/protection.h"
+#include "carve/solver/search/slabs.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <chrono>
@@ -14,57 +15,6 @@
 namespace fluidcarve {
 
 namespace {
-
-/// A bit for each original entry of each column: whether it is deleted.
-class Deleted {
-public:
-    Deleted(std::size_t columns, int width, const Limits& limits)
-        : words_((static_cast<std::size_t>(width) + 15) / 16),
-          store_(1, columns * words_, limits.memory, limits.folder) {}
-
-    /// Deletes a seam.
-    /// @param at  its entries in the space that earlier seams left; become original entries
-    void to_original(std::span<std::uint16_t> at) {
-        each(at, [](std::span<std::uint16_t> words, std::uint16_t& entry) {
-            int left = entry;  // remaining entries before it
-            std::size_t w = 0;
-            const auto there_are = [&] { return 16 - std::popcount(words[w]); };
-            for (; left >= there_are(); ++w) left -= there_are();
-            auto there = static_cast<std::uint16_t>(~words[w]);
-            for (; left > 0; --left) there = static_cast<std::uint16_t>(there & (there - 1));
-            const int bit = std::countr_zero(there);
-            mark(words[w], bit);
-            entry = static_cast<std::uint16_t>(w * 16 + static_cast<std::size_t>(bit));
-        });
-    }
-    /// The same in the other direction: takes original entries, which become entries in that space.
-    void from_original(std::span<std::uint16_t> at) {
-        each(at, [](std::span<std::uint16_t> words, std::uint16_t& entry) {
-            const std::size_t w = entry / 16u;
-            const int bit = entry % 16;
-            int before = std::popcount(static_cast<std::uint16_t>(words[w] & ((1u << bit) - 1)));
-            for (const auto word : words.first(w)) before += std::popcount(word);
-            mark(words[w], bit);
-            entry = static_cast<std::uint16_t>(entry - before);
-        });
-    }
-
-private:
-    static void mark(std::uint16_t& word, int bit) {
-        word = static_cast<std::uint16_t>(word | (1u << bit));
-    }
-    template <class Visit>
-    void each(std::span<std::uint16_t> at, const Visit& visit) {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, at.size(), 4096),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (auto c = range.begin(); c < range.end(); ++c)
-                                  visit(store_.entries(0).subspan(c * words_, words_), at[c]);
-                          });
-    }
-
-    std::size_t words_;  ///< per column
-    FrameStore store_;
-};
 
 /// The place where the next seam is blocked, if any. @param found  number of seams found before
 std::optional<NoSeam> blocked_seam(const EnergyVolume& energy, Window window, int found) {
@@ -105,13 +55,6 @@ NoSeam at_full_size(const NoSeam& none, int found, const EnergyVolume& energy,
     return {found,
             {full.columns.at(2 * place.lateral, 2 * place.k, 2 * place.t), 2 * none.at.vertices,
              2 * none.at.free}};
-}
-
-SeamEntries repeated(std::span<const std::uint16_t> frame, std::size_t frames) {
-    std::vector<std::uint16_t> out;
-    out.reserve(frame.size() * frames);
-    for (std::size_t t = 0; t < frames; ++t) out.insert(out.end(), frame.begin(), frame.end());
-    return out;
 }
 
 }  // namespace
@@ -163,37 +106,35 @@ public:
         if (full_) window_ = half_window(window_);
         if (count_ == 0) return;
         thickness_ = std::min(thickness_, window_.size());
-        if (options.thick) prices_.emplace(volume, thickness_, options.thick->weights);
+        if (options.thick)
+            slabs_.emplace(volume, Thick{thickness_, options.thick->weights}, inserts(), static_,
+                           options.limits);
         else if (static_) sum_ = volume.sum();
-        if (inserts() && !prices_) deleted_.emplace(columns(), width_, options.limits);
+        if (inserts() && !slabs_) deleted_.emplace(columns(), width_, options.limits);
     }
 
     FoundSeams run(const FindSeam& find, const Tick& tick) {
         take_known(tick);
         const int known = searches_;
-        while (static_cast<int>(out_.seams.size()) < count_) {
+        while (found() < count_) {
             const auto start = std::chrono::steady_clock::now();
             const int thickness = thickness_now();
             const auto left = window_left(thickness);
-            if (prices_) price(thickness);
+            if (slabs_) slabs_->price(thickness);
             const auto& energy = this->energy();
-            if (auto blocked = blocked_seam(energy, left, static_cast<int>(out_.seams.size()))) {
-                if (full_)
-                    blocked =
-                        at_full_size(*blocked, static_cast<int>(out_.seams.size()), energy, *full_);
-                if (!options_.best_effort) throw NoSeam(*blocked);
-                out_.no_more = std::move(blocked);
+            if (auto none = blocked(energy, left)) {
+                if (!options_.best_effort) throw NoSeam(*none);
+                out_.no_more = std::move(none);
                 break;
             }
             const int done = searches_ - known,
-                      left_to_do =
-                          (count_ - static_cast<int>(out_.seams.size()) + each() - 1) / each();
+                      left_to_do = (count_ - found() + each() - 1) / each();
             const auto tell = [&](double fraction) {
                 tick((done + fraction) / (done + left_to_do));
             };
-            auto* const bounds = prices_ ? nullptr : options_.bounds;
-            auto seam = prices_ ? find_slab(find, thickness, left, tell)
-                                : find(energy, left, searches_, tell, bounds);
+            auto* const bounds = slabs_ ? nullptr : options_.bounds;
+            auto seam = slabs_ ? slabs_->find(find, thickness, left, searches_, tell)
+                               : find(energy, left, searches_, tell, bounds);
             const auto end = std::chrono::steady_clock::now();
             if (!seam.lower_bound && bounds)
                 seam.lower_bound =
@@ -211,18 +152,27 @@ public:
     }
 
 private:
+    int found() const { return static_cast<int>(out_.seams.size()); }
     bool inserts() const { return kind_ == Seams::Kind::insert; }
     /// The energy in which seams are searched.
-    EnergyVolume& energy() { return sum_ ? *sum_ : priced_ ? *priced_ : volume_; }
+    const EnergyVolume& energy() const {
+        return slabs_ ? slabs_->prices() : sum_ ? *sum_ : volume_;
+    }
     /// Number of seams that each found seam or slab stands for.
     int each() const { return thickness_ * (full_ ? 2 : 1); }
     /// The thickness of the next slab. It does not depend on the wanted number.
     int thickness_now() const {
-        return prices_ && !inserts() ? std::min(thickness_, window_.size() - taken_) : thickness_;
+        return slabs_ && !inserts() ? std::min(thickness_, window_.size() - taken_) : thickness_;
     }
     /// The entries that the next seam may take, or with which the next slab may begin.
     Window window_left(int thickness) const {
         return {window_.first, window_.last - taken_ - thickness + 1};
+    }
+    /// Why no seam is left, at full size; nothing: there is one.
+    std::optional<NoSeam> blocked(const EnergyVolume& energy, Window left) const {
+        auto out = blocked_seam(energy, left, found());
+        if (out && full_) out = at_full_size(*out, found(), energy, *full_);
+        return out;
     }
     Columns full_columns() const {
         const auto& of = full_->columns;
@@ -235,38 +185,6 @@ private:
                      : volume_.columns_per_frame() * (static_ ? 1 : volume_.frames());
     }
     std::size_t all_frames() const { return full_ ? full_->columns.frames() : volume_.frames(); }
-    /// Sets the prices of slabs.
-    void price(int thickness) {
-        priced_.reset();
-        priced_ = prices_->of(volume_, thickness,
-                              options_.thick->weights.empty.value_or(SlabPrices::emptiness.front()),
-                              slabs_, options_.limits);
-        if (static_) sum_ = priced_->sum();
-    }
-    /// Finds a slab. Empty slabs become dearer until the content gives its share.
-    Seams::Seam find_slab(const FindSeam& find, int thickness, Window left, const Tick& tick) {
-        // Solvers that continue from the last seam start over: prices change everywhere.
-        const auto once = [&] { return find(energy(), left, 2 * searches_, tick); };
-        auto out = once();
-        if (options_.thick->weights.empty) return out;
-        for (std::size_t n = 1; n < SlabPrices::emptiness.size(); ++n) {
-            const auto at = whole(out.at);
-            if (prices_->content_share(volume_, at, thickness,
-                                       {left.first, left.last + thickness - 1}) >=
-                SlabPrices::enough)
-                break;
-            prices_->set_empty(*priced_, volume_, thickness, SlabPrices::emptiness[n], slabs_);
-            if (static_) sum_ = priced_->sum();
-            out = once();
-        }
-        return out;
-    }
-    /// The entries of a seam in all frames.
-    SeamEntries whole(std::span<const std::uint16_t> at) const {
-        return static_ ? repeated(at, volume_.frames())
-                       : SeamEntries(std::vector<std::uint16_t>(at.begin(), at.end()));
-    }
-
     /// Records the statistics of a found seam, for all seams that it stands for.
     void count_met(const EnergyVolume& energy, std::span<const std::uint16_t> at) {
         const auto met = energy.met(at);
@@ -285,24 +203,13 @@ private:
     void take(std::span<const std::uint16_t> at, int thickness, Window left) {
         const int number = searches_++;
         if (static_cast<int>(out_.zero_share.size()) >= count_) return;
-        if (prices_) {
-            const auto all = whole(at);
-            if (inserts()) {
-                slabs_.push_back({all, thickness});
-                return;
-            }
-            for (int n = 0; n < thickness; ++n) volume_.remove(all);
-            for (auto& slab : slabs_)
-                for (std::size_t c = 0; c < all.size(); ++c) {
-                    auto& entry = slab.at.all()[c];
-                    if (entry > all[c])
-                        entry =
-                            static_cast<std::uint16_t>(std::max<int>(all[c], entry - thickness));
-                }
-            slabs_.push_back({all, 0});
+        if (slabs_) {
+            slabs_->take(at, thickness);
+            // Doubled slabs stay in the volume.
+            if (inserts()) return;
         } else {
             if (options_.bounds) options_.bounds->follow(energy(), left, at, number);
-            energy().remove(at, left);
+            (sum_ ? *sum_ : volume_).remove(at, left);
         }
         taken_ += thickness;
     }
@@ -314,14 +221,13 @@ private:
                                                    volume_.closed(), volume_.around())
                                          : Columns(volume_);
             const double share = static_cast<double>(columns()) / static_cast<double>(here.count());
-            const int most = width_ -
-                             (inserts() && prices_ ? 1 : static_cast<int>(out_.seams.size())) -
-                             (prices_ ? 2 * thickness : 1);
+            const int most =
+                width_ - (inserts() && slabs_ ? 1 : found()) - (slabs_ ? 2 * thickness : 1);
             seam.at = prolong_seam(here, seam.at, full_columns(), {0, most});
             seam.energy *= share;
             if (seam.lower_bound) *seam.lower_bound *= share;
         }
-        if (prices_) {
+        if (slabs_) {
             seam.energy /= each();
             if (seam.lower_bound) *seam.lower_bound /= each();
         }
@@ -330,14 +236,14 @@ private:
 
     /// Adds the seams that a found seam stands for, from the n-th on.
     void complete(const Seams::Seam& seam, int n, double seconds) {
-        const int some = std::min(each(), n + count_ - static_cast<int>(out_.seams.size()));
+        const int some = std::min(each(), n + count_ - found());
         for (const int first = n; n < some; ++n) {
             auto one = seam;
             if (deleted_) deleted_->to_original(one.at.all());
             // The vertices of a slab that is doubled follow each other.
-            if (prices_ && inserts())
+            if (slabs_ && inserts())
                 for (auto& entry : one.at.all()) entry = static_cast<std::uint16_t>(entry + n);
-            if (static_) one.at = repeated(one.at, all_frames());
+            if (static_) one.at = SeamEntries::repeated(one.at, all_frames());
             if (options_.keep) one.at = options_.keep(std::move(one.at));
             out_.seams.push_back(std::move(one));
             out_.wall_s.push_back(seconds / (some - first));
@@ -355,7 +261,7 @@ private:
                         before[n].at.begin() + static_cast<std::ptrdiff_t>(columns()));
             if (deleted_) deleted_->from_original(last);
             const int thickness = thickness_now();
-            if (prices_) price(thickness);
+            if (slabs_) slabs_->price(thickness);
             count_met(energy(), last);
             const auto left = window_left(thickness);
             take(last, thickness, left);
@@ -364,10 +270,10 @@ private:
                 out_.seams.push_back(before[m]);
                 out_.wall_s.push_back(0);
             }
-            if (const int found = static_cast<int>(end - n); found < each()) {
+            if (const int known = static_cast<int>(end - n); known < each()) {
                 auto seam = before[n];
                 seam.at = last;
-                complete(seam, found, 0);
+                complete(seam, known, 0);
             }
         }
         if (!last.empty() && options_.start_from) options_.start_from(last);
@@ -382,13 +288,11 @@ private:
     const std::optional<FullSize>& full_;
     const int width_;
     int thickness_;
-    std::optional<SlabPrices> prices_;      ///< if seams are thick
-    std::optional<EnergyVolume> priced_;    ///< the prices of the next slab
-    std::optional<EnergyVolume> sum_;       ///< of all frames, for static seams
-    std::vector<SlabPrices::Taken> slabs_;  ///< that were taken
-    std::optional<Deleted> deleted_;        ///< of thin seams that are doubled
-    int searches_ = 0;                      ///< seams or slabs that are known
-    int taken_ = 0;                         ///< entries that they took from the window
+    std::optional<Slabs> slabs_;             ///< if seams are thick
+    std::optional<EnergyVolume> sum_;        ///< of all frames, for static thin seams
+    std::optional<DeletedEntries> deleted_;  ///< of thin seams that are doubled
+    int searches_ = 0;                       ///< seams or slabs that are known
+    int taken_ = 0;                          ///< entries that they took from the window
     FoundSeams out_;
 };
 
