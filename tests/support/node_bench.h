@@ -69,7 +69,7 @@ public:
     }
     /// By way of the digest if there is one.
     void add(const Inputs& inputs, Context context = {}) {
-        if (behaviour_.digest) take(digest(inputs, context), context);
+        if (behaviour_.digest) consume(digest(inputs, context), context);
         else behaviour_.add(ports(inputs).get(), context);
     }
     void resume(const Payload& result, const nlohmann::ordered_json& entry) {
