@@ -15,6 +15,17 @@
 
 namespace fluidcarve {
 
+namespace {
+
+std::vector<std::size_t> nodes_read_by(const Node& node) {
+    std::vector<std::size_t> out;
+    for (const auto& links : node.inputs)
+        for (const auto& link : links) out.push_back(link.node);
+    return out;
+}
+
+}  // namespace
+
 Pipeline build_pipeline(const Document& document, const Registry& registry, Problems& problems) {
     return PipelineBuilder(document, registry, problems).build();
 }
@@ -144,26 +155,37 @@ std::optional<Link> PipelineBuilder::resolve(const Reference& reference,
 bool PipelineBuilder::order() {
     enum class State { fresh, open, done };
     std::vector<State> state(nodes_.size(), State::fresh);
-    std::vector<std::size_t> path;
+    // Depth first, by a list, since pipelines may be deeper than the program's stack.
+    std::vector<std::pair<std::size_t, std::vector<std::size_t>>>
+        path;  // with nodes still to visit
     std::vector<std::size_t> sorted;
     bool acyclic = true;
-    const auto visit = [&](auto&& self, std::size_t n) -> void {
+    const auto open = [&](std::size_t n) {
         state[n] = State::open;
-        path.push_back(n);
-        for (const auto& links : nodes_[n].node.inputs)
-            for (const auto& link : links) {
-                if (state[link.node] == State::fresh) self(self, link.node);
-                else if (state[link.node] == State::open) {
-                    acyclic = false;
-                    report_cycle({std::find(path.begin(), path.end(), link.node), path.end()});
-                }
-            }
-        path.pop_back();
-        state[n] = State::done;
-        sorted.push_back(n);
+        path.emplace_back(n, nodes_read_by(nodes_[n].node));
+        std::ranges::reverse(path.back().second);
     };
-    for (std::size_t n = 0; n < nodes_.size(); ++n)
-        if (state[n] == State::fresh) visit(visit, n);
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+        if (state[n] == State::fresh) open(n);
+        while (!path.empty()) {
+            auto& [node, left] = path.back();
+            if (left.empty()) {
+                state[node] = State::done;
+                sorted.push_back(node);
+                path.pop_back();
+                continue;
+            }
+            const auto next = left.back();
+            left.pop_back();
+            if (state[next] == State::fresh) open(next);
+            else if (state[next] == State::open) {
+                acyclic = false;
+                std::vector<std::size_t> nodes;
+                for (const auto& each : path) nodes.push_back(each.first);
+                report_cycle({std::ranges::find(nodes, next), nodes.end()});
+            }
+        }
+    }
     if (!acyclic) return false;
 
     std::vector<std::size_t> now_at(nodes_.size());

@@ -1,7 +1,5 @@
 #include "graph/promises.h"
 
-#include "carve/base/failure.h"
-
 #include <fmt/format.h>
 
 namespace fluidcarve {

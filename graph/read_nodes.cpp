@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <memory>
 #include <utility>
 
 // How a PipelineBuilder reads the nodes of a document, before it connects them.

@@ -1,6 +1,5 @@
 #include "nodes/grid.h"
 
-#include "carve/base/words.h"
 #include "carve/field/collocate.h"
 #include "carve/grid/crop.h"
 #include "carve/grid/each_grid.h"
@@ -12,8 +11,6 @@
 #include "nodes/params/check_params.h"
 #include "nodes/params/voxels_of.h"
 
-#include <fmt/format.h>
-#include <openvdb/tools/GridTransformer.h>
 #include <openvdb/tools/Prune.h>
 
 #include <string>

@@ -21,7 +21,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
 #include <utility>
 
 namespace fluidcarve {
@@ -159,7 +158,7 @@ NodeType remap_grids() {
                    "crosses the rim may tear, and a warning says so. fade: displacements go "
                    "linearly to 0 towards the rim, and so does what a seam takes or adds.")
             .param("rim_fade", &RemapGrids::Params::rim_fade, Unit::vertices, between(1, 10000),
-                   fade_doc)
+                   rim_fade_doc)
             .output("volume", &RemapGrids::Ports::volume,
                     "The carved source: same grids, transforms and metadata. The report tells what "
                     "the carve did to each float grid, unless frames were carved.")
@@ -252,7 +251,7 @@ NodeType remap_mesh() {
                 "if the faces stay the same.")
             .param("count", &Params::count, Unit::seams, any_number(), count_doc)
             .param("rim", &Params::rim, "As in remap.grids; use the same value for both.")
-            .param("rim_fade", &Params::rim_fade, Unit::vertices, between(1, 10000), fade_doc)
+            .param("rim_fade", &Params::rim_fade, Unit::vertices, between(1, 10000), rim_fade_doc)
             .param("static", &Params::static_,
                    "Whether a mesh that is one file for all frames stays one file. Seams must then "
                    "move it the same way in all frames; otherwise the node fails. They do so if "
@@ -338,7 +337,7 @@ NodeType remap_points() {
                    "How the carve ends at the lattice's rims, as in remap.grids; use the same "
                    "value for both.")
             .param("rim_fade", &RemapPoints::Params::rim_fade, Unit::vertices, between(1, 10000),
-                   fade_doc)
+                   rim_fade_doc)
             .param("jitter", &RemapPoints::Params::jitter, Unit::vertices, between(0, 0.5),
                    "Where seams are inserted, a copy stands one vertex from its original, plus a "
                    "random offset of up to this size along each axis. The offset is always the "

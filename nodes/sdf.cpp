@@ -8,11 +8,8 @@
 #include "carve/sdf/from_points.h"
 #include "carve/sdf/to_mesh.h"
 #include "carve/volume/volume.h"
-#include "formats/mesh_file/topology.h"
 #include "graph/types/node_type.h"
 #include "nodes/params/voxels_of.h"
-
-#include <openvdb/tools/LevelSetFilter.h>
 
 namespace fluidcarve {
 

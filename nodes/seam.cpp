@@ -122,7 +122,7 @@ namespace {
 struct PyramidNode : SeamNode {
     struct Params : SeamNode::Params {
         Quality quality = Quality::normal;
-        int starts = 16;
+        int starts = Pyramid::usual_starts;
     };
     void finish(const Params& params, Ports& io, Context& context) {
         solve(params, io, context, Pyramid(params.quality, params.starts));

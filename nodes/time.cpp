@@ -68,10 +68,8 @@ public:
 
     static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) {
         const auto place = Place(params, frames);
-        std::vector<int> out;
-        for (int n = 0; n < params.lengths.of[1] * params.loops; ++n)
-            out.push_back(place.first + place.step * n);
-        return out;
+        return even_frames(place.first, place.step,
+                           static_cast<double>(params.lengths.of[1]) * params.loops);
     }
 
 protected:

@@ -1,5 +1,6 @@
 #include "nodes/time.h"
 
+#include "carve/base/median.h"
 #include "carve/points/point_vectors.h"
 #include "carve/stream/mesh_stream.h"
 #include "carve/stream/points_stream.h"
@@ -21,6 +22,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace fluidcarve {
@@ -31,6 +33,20 @@ namespace {
 int frames_behind(const std::vector<int>& numbers, std::size_t place) {
     return numbers[place + 1] - numbers[place];
 }
+
+/// At most three places of pairs of neighbouring frames, spread evenly.
+/// @param frames  number of frames, at least 2
+std::vector<std::size_t> few_places(std::size_t frames) {
+    constexpr std::size_t most = 3;
+    const auto gaps = frames - 1, count = std::min(most, gaps);
+    std::vector<std::size_t> out;
+    for (std::size_t n = 0; n < count; ++n) out.push_back((2 * n + 1) * gaps / (2 * count));
+    return out;
+}
+
+constexpr auto scale_doc =
+    "How far a velocity of 1 moves from one frame to the next, world units: 1/24 for world units "
+    "per second at 24 frames. auto finds it in the sequence; the report tells it.";
 
 /// The base of all nodes that retime.
 struct Paced {
@@ -102,10 +118,7 @@ private:
         };
         std::vector<Pair> pairs;
         double speed = 0;
-        constexpr std::size_t most_pairs = 3;
-        const auto gaps = source_.size() - 1, count = std::min(most_pairs, gaps);
-        for (std::size_t n = 0; n < count; ++n) {
-            const auto place = (2 * n + 1) * gaps / (2 * count);
+        for (const auto place : few_places(source_.size())) {
             if (const auto shown = moving_in(source_.at(place), source_.at(place + 1))) {
                 pairs.push_back(
                     {shown->first, shown->second, frames_behind(source_.numbers(), place)});
@@ -145,10 +158,7 @@ NodeType time_retime() {
                                    "Velocity, staggered or not. It says where things move, and is "
                                    "itself scaled by the speed. Left out, motion is found by what "
                                    "is seen alone."))
-        .param(
-            "scale", &Params::scale, Unit::none, any_number(),
-            "How far a velocity of 1 moves from one frame to the next, world units: 1/24 for world "
-            "units per second at 24 frames. auto finds it in the sequence; the report tells it.")
+        .param("scale", &Params::scale, Unit::none, any_number(), scale_doc)
         .param("transport", &Params::transport,
                "How values are moved. mac_cormack is sharper, and takes twice as long.")
         .output(
@@ -213,21 +223,17 @@ public:
     }
 
 private:
-    /// The median of the scales of three pairs of frames.
+    /// The median of the scales of a few pairs of frames.
     double found_scale(Context& context) const {
         std::vector<double> found;
-        constexpr std::size_t most_pairs = 3;
-        const auto gaps = source_.size() - 1, count = std::min(most_pairs, gaps);
-        for (std::size_t n = 0; n < count; ++n) {
+        for (const auto place : few_places(source_.size())) {
             context.check_cancelled();
-            const auto place = (2 * n + 1) * gaps / (2 * count);
             const double scale =
                 point_scale(*source_.at(place), *source_.at(place + 1), motion_.velocity);
             // Frames without points or motion give no scale.
             if (scale != 0) found.push_back(scale / frames_behind(source_.numbers(), place));
         }
-        std::ranges::sort(found);
-        return found.empty() ? 0 : found[found.size() / 2];
+        return found.empty() ? 0 : median_of(std::move(found));
     }
 
     NumberedFrames<Points> source_;
@@ -280,10 +286,7 @@ NodeType time_retime_points() {
                    "The same particles at another pace: time.retime for points. What follows this "
                    "node has the new frames.")
                    .input("source", &RetimePoints::Ports::source, "The particles."))
-        .param("scale", &Params::scale, Unit::none, any_number(),
-               "How far a velocity of 1 moves from one frame to the next, world units: 1/24 for "
-               "world units per second at 24 frames. auto finds it in the sequence; the report "
-               "tells it.")
+        .param("scale", &Params::scale, Unit::none, any_number(), scale_doc)
         .output("points", &RetimePoints::Ports::points,
                 "The particles, with all attributes. Frames of the source stay bit for bit, but "
                 "for a velocity whose time goes faster or slower. Between them, particles with a "

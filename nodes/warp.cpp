@@ -113,10 +113,7 @@ struct WarpSolve {
         }
         if (context.place() == 0 && !states_nothing(params))
             require_ends(gathering_params(params), io.lattice->form());
-        const auto mask = [](const Ref<AnyGrid>& port) {
-            return port ? port->grid.get() : nullptr;
-        };
-        const FrameGrids grids{*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
+        const auto grids = grids_of(io);
         require_frame_fits(grids, *io.lattice, context.memory_budget());
         const auto out = std::make_shared<FrameEnergy>(
             sample_frame(grids, io.lattice, params.axis, Measure::vertex));

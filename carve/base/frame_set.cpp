@@ -1,5 +1,7 @@
 #include "carve/base/frame_set.h"
 
+#include "carve/base/failure.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -162,6 +164,24 @@ std::string FrameSet::text() const {
     std::string out;
     for (std::size_t n = 0; n < size; n += tails[n].taken)
         out += (n == 0 ? "" : ",") + part(n, tails[n].taken);
+    return out;
+}
+
+std::string FrameSet::in_words() const {
+    return (frames_.size() == 1 ? "frame " : "frames ") + text();
+}
+
+std::vector<int> even_frames(int first, int step, double count) {
+    if (!(count <= static_cast<double>(FrameSet::most_frames)))
+        throw Failure(fmt::format("that makes {:.0f} frames; a million are the most", count));
+    constexpr double most = std::numeric_limits<int>::max();
+    if (const double last = first + step * (count - 1); last > most)
+        throw Failure(
+            fmt::format("that makes frames up to {:.0f}; {:.0f} is the highest frame "
+                        "number",
+                        last, most));
+    std::vector<int> out;
+    for (int n = 0; n < static_cast<int>(count); ++n) out.push_back(first + step * n);
     return out;
 }
 

@@ -28,9 +28,15 @@ public:
     bool contains(int frame) const;
     std::optional<std::size_t> place(int frame) const;  ///< index in `frames()`, if contained
     std::string text() const;                           ///< shortest text that parse reads back
+    std::string in_words() const;                       ///< "frame 7", "frames 7-9"
 
 private:
     std::vector<int> frames_;
 };
+
+/// Frame numbers in even steps.
+/// @param count  whole, perhaps too many
+/// @throws Failure if there are more than FrameSet::most_frames, or numbers beyond int
+std::vector<int> even_frames(int first, int step, double count);
 
 }  // namespace fluidcarve

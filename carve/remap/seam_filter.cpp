@@ -16,7 +16,6 @@
 #include <bitset>
 #include <cmath>
 #include <cstddef>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <utility>

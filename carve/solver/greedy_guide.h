@@ -3,8 +3,12 @@
 #include "carve/seam/window.h"
 #include "carve/solver/costs/volume.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <vector>
 
 namespace fluidcarve {

@@ -21,6 +21,7 @@ enum class Quality { draft, normal, best };
 /// Thin seams are never worse than those of seam.greedy: its searches compete with the coarse one.
 class Pyramid {
 public:
+    static constexpr int usual_starts = 16;
     /// @param starts  number of greedy searches; for slabs it is 1
     Pyramid(Quality quality, int starts) : quality_(quality), starts_(starts) {}
 

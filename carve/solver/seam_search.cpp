@@ -31,7 +31,7 @@ Ref<Seams> SeamSearch::find(const Tick& tick) {
     gathered_.require_met();
     auto [energy, thick] = gathered_.take(params_, space, limits_);
     if (thick) out->thickness = thick->thickness * finest;
-    const FindSeam solver = Pyramid(Quality::normal, 16);
+    const FindSeam solver = Pyramid(Quality::normal, Pyramid::usual_starts);
     const PartFinder found(energy, task, space, solver, limits_);
     SearchOptions search;
     search.best_effort = params_.best_effort;

@@ -1,6 +1,7 @@
 #include "carve/time/frames_carved.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/frame_set.h"
 #include "carve/time/sequence.h"
 
 #include <fmt/format.h>
@@ -17,10 +18,7 @@ std::vector<int> FramesCarved::left(const Auto<Count>& used, const std::vector<i
     if (size + by < 1)
         throw Failure(
             fmt::format("count {} takes all of {} frames; some must stay", text_of(count), size));
-    const int step = step_of(frames);
-    std::vector<int> out;
-    for (int n = 0; n < size + by; ++n) out.push_back(frames.front() + step * n);
-    return out;
+    return even_frames(frames.front(), step_of(frames), static_cast<double>(size) + by);
 }
 
 }  // namespace fluidcarve

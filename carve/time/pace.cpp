@@ -1,42 +1,43 @@
 #include "carve/time/pace.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/frame_set.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 namespace fluidcarve {
 namespace {
 
-constexpr double most_frames = 1e6;
 constexpr double rounding = 1e-6;  ///< frames; moments nearer to a frame than this are that frame
 
 /// The smallest step between frames of a sequence.
 int least_step(const std::vector<int>& frames) {
-    int out = 0;
+    std::int64_t out = std::numeric_limits<int>::max();
     for (std::size_t n = 1; n < frames.size(); ++n)
-        if (const int step = frames[n] - frames[n - 1]; out == 0 || step < out) out = step;
-    return std::max(out, 1);
+        out = std::min(out, std::int64_t{frames[n]} - frames[n - 1]);
+    return frames.size() > 1 ? static_cast<int>(out) : 1;
 }
 
 }  // namespace
 
 Pace::Pace(const PaceRequest& request, std::vector<int> source) : source_(std::move(source)) {
     const double low = source_.front(), high = source_.back();
-    first_ = request.start.value_or(source_.front());
-    step_ = least_step(source_);
-    double last = first_;
+    int first = request.start.value_or(source_.front()), step = least_step(source_);
+    double last = first;
     if (request.speed) {
-        if (high > low) last = first_ + (high - low) / std::abs(*request.speed);
-        points_ = *request.speed > 0 ? std::vector<Point>{{double(first_), low}, {last, high}}
-                                     : std::vector<Point>{{double(first_), high}, {last, low}};
+        if (high > low) last = first + (high - low) / std::abs(*request.speed);
+        points_ = *request.speed > 0 ? std::vector<Point>{{double(first), low}, {last, high}}
+                                     : std::vector<Point>{{double(first), high}, {last, low}};
     } else if (request.count) {
-        last = first_ + static_cast<double>(step_) * (*request.count - 1);
-        points_ = {{double(first_), low}, {last, high}};
+        last = first + static_cast<double>(step) * (*request.count - 1);
+        points_ = {{double(first), low}, {last, high}};
     } else {
         if (request.curve.empty()) throw Failure("no speed, number of frames or curve is stated");
         for (const auto& point : request.curve) {
@@ -50,20 +51,15 @@ Pace::Pace(const PaceRequest& request, std::vector<int> source) : source_(std::m
                     fmt::format("the curve leads to frame {:g} of the source, which has the frames "
                                 "{:g} to {:g}",
                                 shows, low, high));
-        first_ = static_cast<int>(std::ceil(points_.front().at - rounding));
+        const double from = std::ceil(points_.front().at - rounding);
+        if (std::abs(from) > std::numeric_limits<int>::max())
+            throw Failure(fmt::format("the curve's frame {:g} is no frame number", from));
+        first = static_cast<int>(from);
         last = points_.back().at;
-        step_ = 1;
+        step = 1;
     }
-    const double count = std::floor((last - first_) / step_ + rounding) + 1;
-    if (!(count <= most_frames))
-        throw Failure(fmt::format("that makes {:.0f} frames; a million are the most", count));
-    count_ = static_cast<std::size_t>(std::max(count, 1.0));
-}
-
-std::vector<int> Pace::frames() const {
-    std::vector<int> out;
-    for (std::size_t n = 0; n < count_; ++n) out.push_back(first_ + step_ * static_cast<int>(n));
-    return out;
+    frames_ =
+        even_frames(first, step, std::max(std::floor((last - first) / step + rounding) + 1, 1.0));
 }
 
 Moment Pace::moment(int frame) const {

@@ -29,12 +29,12 @@ struct Moment {
 class Pace {
 public:
     /// @param source  frame numbers, rising, at least one
-    /// @throws Failure if nothing is stated, or the curve leads beyond the source, or makes more
-    ///   than a million frames
+    /// @throws Failure if nothing is stated, if the curve leads beyond the source, or as
+    ///   even_frames()
     Pace(const PaceRequest& request, std::vector<int> source);
 
     /// Frame numbers of the retimed sequence.
-    std::vector<int> frames() const;
+    const std::vector<int>& frames() const { return frames_; }
     /// @param frame  one of frames()
     Moment moment(int frame) const;
 
@@ -46,8 +46,7 @@ private:
 
     std::vector<int> source_;
     std::vector<Point> points_;  ///< linear between; one or more
-    int first_ = 0, step_ = 1;
-    std::size_t count_ = 1;
+    std::vector<int> frames_;
 };
 
 }  // namespace fluidcarve

@@ -8,8 +8,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 namespace fluidcarve {
@@ -68,15 +70,16 @@ std::optional<std::pair<MovingFrame, MovingFrame>> moving_in(const SequenceFrame
 }
 
 int step_of(const std::vector<int>& frames) {
-    const int step = frames.size() > 1 ? frames[1] - frames[0] : 1;
+    const auto gap = [&](std::size_t n) { return std::int64_t{frames[n]} - frames[n - 1]; };
+    const auto step = frames.size() > 1 ? gap(1) : 1;
     for (std::size_t n = 1; n < frames.size(); ++n)
-        if (frames[n] - frames[n - 1] != step)
+        if (gap(n) != step)
             throw Failure(
                 fmt::format("all frames are needed, but between {} and {} some are left out: state "
                             "`frames` without a gap; where a file is missing, `missing: hold` of "
                             "the reader then fills it",
                             frames[n - 1], frames[n]));
-    return step;
+    return static_cast<int>(std::min<std::int64_t>(step, std::numeric_limits<int>::max()));
 }
 
 }  // namespace fluidcarve

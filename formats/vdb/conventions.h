@@ -2,7 +2,6 @@
 
 #include "formats/vdb/vdb_file.h"
 
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>

@@ -60,6 +60,14 @@ std::optional<double> parse_number(std::string_view text) {
                                                                      : std::nullopt;
 }
 
+std::string to_text(const Range& range) {
+    const bool low = std::isfinite(range.min), high = std::isfinite(range.max);
+    return low && high ? fmt::format("from {} to {}", range.min, range.max)
+           : low       ? fmt::format("at least {}", range.min)
+           : high      ? fmt::format("at most {}", range.max)
+                       : "";
+}
+
 std::string to_text(Unit unit) {
     switch (unit) {
         case Unit::none: return "";
@@ -121,11 +129,8 @@ std::optional<double> ValueReader::number(const Value& value, bool whole) {
         return unwanted(value, fmt::format("a whole number from {} to {}", -most, most)),
                std::nullopt;
     if (out < range_.min || out > range_.max) {
-        const auto bounds = std::isinf(range_.max) ? fmt::format("at least {}", range_.min)
-                            : std::isinf(range_.min)
-                                ? fmt::format("at most {}", range_.max)
-                                : fmt::format("from {} to {}", range_.min, range_.max);
-        return fault(value, fmt::format("must be {}, not {}", bounds, value.text)), std::nullopt;
+        return fault(value, fmt::format("must be {}, not {}", to_text(range_), value.text)),
+               std::nullopt;
     }
     return out;
 }

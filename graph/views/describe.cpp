@@ -41,14 +41,6 @@ std::string wrapped(const std::string& text, std::size_t indent) {
     return out + line + "\n";
 }
 
-std::string range_text(const Range& range) {
-    const bool low = std::isfinite(range.min);
-    const bool high = std::isfinite(range.max);
-    if (low && high) return fmt::format("from {} to {}", range.min, range.max);
-    if (low) return fmt::format("at least {}", range.min);
-    return high ? fmt::format("at most {}", range.max) : std::string();
-}
-
 std::string join(const std::vector<std::string>& parts, const char* between) {
     std::string out;
     for (const auto& part : parts)
@@ -62,9 +54,8 @@ std::string default_text(const ParamSpec& spec) {
 }
 
 std::string value_text(const ParamSpec& spec) {
-    return join(
-        {to_text(spec.shape), to_text(spec.unit), range_text(spec.range), default_text(spec)},
-        "; ");
+    return join({to_text(spec.shape), to_text(spec.unit), to_text(spec.range), default_text(spec)},
+                "; ");
 }
 
 std::string takes_text(const Registry& registry, const NodeType& type, const InputSpec& input) {
@@ -284,13 +275,13 @@ std::string to_markdown(const Registry& registry, const NodeType& type) {
     if (!type.params.empty()) {
         out += "\n" + row({"parameter", "value", "unit", "default", ""}) + rule(5);
         for (const auto& param : type.params)
-            out += row({"`" + param.name + "`",
-                        join({to_text(param.shape), range_text(param.range)}, ", "),
-                        to_text(param.unit),
-                        param.required           ? "required"
-                        : param.fallback.empty() ? ""
-                                                 : "`" + param.fallback + "`",
-                        param.doc});
+            out +=
+                row({"`" + param.name + "`",
+                     join({to_text(param.shape), to_text(param.range)}, ", "), to_text(param.unit),
+                     param.required           ? "required"
+                     : param.fallback.empty() ? ""
+                                              : "`" + param.fallback + "`",
+                     param.doc});
     }
     if (!type.outputs.empty()) {
         out += "\n" + row({"output", "gives", ""}) + rule(3);

@@ -43,7 +43,7 @@ struct PreviewPage {
     };
 
     static void check(const Params& params, NodeCheck& check) {
-        check_fade(params.rim, check);
+        check_rim_fade(params.rim, check);
         check_join(params, check);
         if (check.connections("seams") > 0 && check.connections("lattice") == 0)
             check.fault("seams",
@@ -196,7 +196,7 @@ NodeType preview_page() {
                    "Number of seams that the page shows at first, as remap.grids takes it.")
             .param("rim", &PreviewPage::Params::rim, "As remap.grids takes it.")
             .param("rim_fade", &PreviewPage::Params::rim_fade, Unit::vertices, between(1, 10000),
-                   fade_doc)
+                   rim_fade_doc)
             .param("setting", &PreviewPage::Params::setting,
                    "What sets the count, as the page writes it for the command line: `count` makes "
                    "`--set count=-17`, `seams.count` the field of a node.")

@@ -6,7 +6,6 @@
 #include "graph/types/param.h"
 
 #include <cstddef>
-#include <memory>
 #include <optional>
 #include <vector>
 

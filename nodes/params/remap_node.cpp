@@ -8,7 +8,7 @@
 namespace fluidcarve {
 
 void RemapNode::check(const Params& params, NodeCheck& check) {
-    check_fade(params.rim, check);
+    check_rim_fade(params.rim, check);
     check_join(params, check);
 }
 

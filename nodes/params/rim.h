@@ -15,11 +15,11 @@ struct ChoiceNames<Rim> {
     static constexpr std::array names = {std::pair{"cut", Rim::cut}, std::pair{"fade", Rim::fade}};
 };
 
-inline constexpr auto fade_doc =
+inline constexpr auto rim_fade_doc =
     "For `rim: fade`: the distance from the rim at which displacements begin to fade. Further "
     "inside, the carve is as with `rim: cut`.";
 
 /// Reports a fault if `rim_fade` is stated, but `rim` does not use it.
-void check_fade(Rim rim, NodeCheck& check);
+void check_rim_fade(Rim rim, NodeCheck& check);
 
 }  // namespace fluidcarve

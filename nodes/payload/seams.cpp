@@ -6,7 +6,6 @@
 #include "formats/seam_file/seam_checksum.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <span>
 

@@ -72,7 +72,12 @@ public:
     /// A text, cut so that it fits a width.
     std::string fitting(std::string text, const Type& type, double width) {
         if (text_width(text, type) <= width) return text;
-        while (!text.empty() && text_width(text + "...", type) > width) text.pop_back();
+        // Not in the middle of a letter of several bytes.
+        while (!text.empty() && text_width(text + "...", type) > width) {
+            while (text.size() > 1 && (static_cast<unsigned char>(text.back()) & 0xc0) == 0x80)
+                text.pop_back();
+            text.pop_back();
+        }
         return text + "...";
     }
 

@@ -10,8 +10,6 @@ namespace fluidcarve {
 
 namespace {
 
-constexpr int most_pixels = 400;  // maximum pixels on the longer side
-
 /// Sums of the pixels' light.
 struct Sum {
     std::array<double, 3> light{};
@@ -44,7 +42,7 @@ Render render_picture(const PictureScene& scene, View view, const openvdb::Coord
                       double gain) {
     auto area = face_of(box, view);
     int cell = 1;
-    while (std::max(area.size(0), area.size(1)) / cell >= most_pixels) cell *= 2;
+    while (std::max(area.size(0), area.size(1)) / cell >= Render::most_pixels) cell *= 2;
     const auto cells = in_cells(area, cell);
     for (const int side : {0, 1}) {
         area.first[side] = cells.first[side] * cell;

@@ -28,8 +28,7 @@ using Renderer = openvdb::tools::VolumeRender<Intersector>;
 using Camera = openvdb::tools::OrthographicCamera;
 using openvdb::tools::BoxSampler;
 
-constexpr int most_pixels = 400;  // maximum pixels on the longer side
-constexpr int finest = 2;         // maximum pixels per voxel; the page enlarges them smoothly
+constexpr int finest = 2;  // maximum pixels per voxel; the page enlarges them smoothly
 
 // Lengths are relative to the mean side of the box, so that a simulation looks the same at any
 // resolution.
@@ -77,8 +76,8 @@ struct ViewWindow {
         area = face_of(box, view);
         const int longer = std::max(area.size(0), area.size(1));
         int voxels = 1;
-        while (longer / voxels >= most_pixels) voxels *= 2;
-        const int pixels = std::clamp(most_pixels / longer, 1, finest);
+        while (longer / voxels >= Render::most_pixels) voxels *= 2;
+        const int pixels = std::clamp(Render::most_pixels / longer, 1, finest);
         const auto cells = in_cells(area, voxels);
         for (const int side : {0, 1}) {
             area.first[side] = cells.first[side] * voxels;

@@ -58,8 +58,9 @@ struct Exposure {
 /// A rendered picture of an area. A voxel is a whole number of pixels, or a pixel a whole number of
 /// voxels.
 struct Render {
-    Area area;        ///< in voxels
-    Picture picture;  ///< empty: nothing is rendered
+    static constexpr int most_pixels = 400;  ///< on the longer side
+    Area area;                               ///< in voxels
+    Picture picture;                         ///< empty: nothing is rendered
     bool empty() const { return picture.pixels.empty(); }
 };
 

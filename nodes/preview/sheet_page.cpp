@@ -1,6 +1,7 @@
 #include "nodes/preview/sheet_page.h"
 
 #include "nodes/preview/panel_layout.h"
+#include "nodes/preview/sheet_style.h"
 
 #include <fmt/format.h>
 
@@ -13,16 +14,11 @@ namespace fluidcarve {
 
 namespace {
 
-constexpr Colour paper{30, 31, 35};
+using namespace sheet_style;
+
 constexpr Colour nothing{16, 16, 20};  // no active voxel; not a colour of a scale
-constexpr Colour bright{238, 238, 238};
-constexpr Colour dim{166, 170, 178};
 constexpr Colour active_line{84, 112, 132};
 constexpr Colour before_line{150, 155, 163};
-constexpr Canvas::Type title{20, true, bright};
-constexpr Canvas::Type heading{14, true, bright};
-constexpr Canvas::Type plain{12, false, dim};
-constexpr double margin = 20;
 constexpr double label = 128;  // width of the names of rows
 constexpr double numbers = 62;
 constexpr double bar = 12;

@@ -56,8 +56,7 @@ std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports&
             task_of(params_for(params, io.field != nullptr, context.frames().size()), form, false);
         else require_ends(params, form);
     }
-    const auto mask = [](const Ref<AnyGrid>& port) { return port ? port->grid.get() : nullptr; };
-    const FrameGrids grids{*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
+    const auto grids = grids_of(io);
     const int finest = finest_for(params, *io.lattice);
     require_frame_fits(grids, *io.lattice, context.memory_budget(), finest);
     return std::make_shared<FrameEnergy>(

@@ -20,6 +20,12 @@
 
 namespace fluidcarve {
 
+/// The grids that a solver's inputs hold.
+FrameGrids grids_of(const auto& io) {
+    const auto mask = [](const Ref<AnyGrid>& port) { return port ? port->grid.get() : nullptr; };
+    return {*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
+}
+
 /// The base of all solver nodes (METHOD 8): their ports, and how a run calls them. The work that
 /// does not depend on how one seam is found is in carve/solver/task and here: windows, pairs,
 /// static seams, masks, and the space that earlier seams leave. A new solver is a FindSeam with

@@ -9,6 +9,7 @@
 #include "runtime/html/html_parts.h"
 #include "runtime/html/html_words.h"
 #include "runtime/html/seams_html.h"
+#include "runtime/tell/exit_codes.h"
 
 #include <fmt/format.h>
 
@@ -66,10 +67,11 @@ private:
         const auto frames = counted(run_.report.at("frames").size(), "frame");
         const auto time = duration_text(run_.report.at("wall_s").get<double>());
         switch (run_.report.at("exit").get<int>()) {
-            case 0: return fmt::format("Done: {} in {}", frames, time);
-            case 4: return fmt::format("Done in {}, but some frames failed", time);
-            case 3: return "Not run: an input is missing, unreadable or too large";
-            case 130: return fmt::format("Interrupted after {}", time);
+            case exit_code::done: return fmt::format("Done: {} in {}", frames, time);
+            case exit_code::some_frames_failed:
+                return fmt::format("Done in {}, but some frames failed", time);
+            case exit_code::input: return "Not run: an input is missing, unreadable or too large";
+            case exit_code::interrupted: return fmt::format("Interrupted after {}", time);
             default: return fmt::format("Failed after {}", time);
         }
     }
@@ -81,10 +83,10 @@ private:
                                     run_.report.at("fluidcarve").get<std::string>(), run_.when)) +
                 "\n";
         out_ += element("h1", run_.pipeline.name) + "\n";
-        out_ +=
-            element(run_.report.at("exit") == 0 ? "p class=\"outcome\"" : "p class=\"outcome bad\"",
-                    outcome()) +
-            "\n<dl class=\"facts\">\n";
+        out_ += element(run_.report.at("exit") == exit_code::done ? "p class=\"outcome\""
+                                                                  : "p class=\"outcome bad\"",
+                        outcome()) +
+                "\n<dl class=\"facts\">\n";
         const auto add = [&](const std::string& name, const std::string& value) {
             out_ += "<div>" + element("dt", name) + element("dd", value) + "</div>\n";
         };

@@ -15,12 +15,18 @@ namespace {
 /// Marks in `flags` the per-frame nodes that `node` needs in its pass. A node that retimes has
 /// taken all its frames in an earlier pass.
 void mark_upstream(const Pipeline& pipeline, std::size_t node, std::vector<bool>& flags) {
-    for (const auto& links : pipeline.nodes[node].inputs)
-        for (const auto& link : links)
-            if (pipeline.nodes[link.node].rate == Rate::frame && !flags[link.node]) {
-                flags[link.node] = true;
-                if (!pipeline.nodes[link.node].retimes()) mark_upstream(pipeline, link.node, flags);
-            }
+    // A list, since pipelines may be deeper than the program's stack.
+    std::vector<std::size_t> open{node};
+    while (!open.empty()) {
+        const auto& inputs = pipeline.nodes[open.back()].inputs;
+        open.pop_back();
+        for (const auto& links : inputs)
+            for (const auto& link : links)
+                if (pipeline.nodes[link.node].rate == Rate::frame && !flags[link.node]) {
+                    flags[link.node] = true;
+                    if (!pipeline.nodes[link.node].retimes()) open.push_back(link.node);
+                }
+    }
 }
 
 /// Per node: whether it is `from` or depends on it.

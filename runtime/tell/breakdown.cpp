@@ -8,7 +8,6 @@
 #include <sys/resource.h>
 #include <unistd.h>
 #include <algorithm>
-#include <cstring>
 #include <latch>
 #include <new>
 #include <string_view>

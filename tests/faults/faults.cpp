@@ -16,9 +16,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <optional>
 #include <set>
-#include <sstream>
 
 namespace {
 

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <sstream>
 
 // `time.retime` and `time.loop` of points and meshes, run by the program.
 

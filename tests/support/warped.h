@@ -3,7 +3,6 @@
 #include "tests/support/seams_through.h"
 
 #include <functional>
-#include <limits>
 
 namespace fluidcarve::test {
 

@@ -1,4 +1,5 @@
 #include "tests/support/program.h"
+#include "tests/support/scratch.h"
 
 #include <catch2/catch.hpp>
 
@@ -51,6 +52,23 @@ TEST_CASE("a limit below what libraries need is told, before one of them crashes
         CHECK(flat.err ==
               "failed: fluidcarve needs a stack of 1 MiB at least; raise the limit (ulimit -s)\n");
         CHECK(flat.code == 1);
+    }
+}
+
+TEST_CASE("a pipeline may be deeper than the program's stack") {
+    constexpr int depth = 12'000;
+    std::string yaml = "fluidcarve: 1\nframes: 51-52\nnodes:\n";
+    for (int n = 0; n < depth; ++n)
+        yaml += fmt::format("  n{}: {{type: energy.remap, energy: n{}}}\n", n, n + 1);
+    yaml += fmt::format("  n{}: {{type: energy.remap, energy: sim.density}}\n", depth);
+    yaml += "  sim: {type: vdb.read, path: " TEST_DATA "/plume/plume.####.vdb, grids: [density]}\n";
+    const Scratch scratch;
+    const auto file = scratch.write("deep.yaml", yaml);
+    for (const std::string verb : {"check ", "plan "}) {
+        const auto called = call_shell("ulimit -s 1024; cd " + scratch.path() + "; " +
+                                       FLUIDCARVE_PROGRAM " " + verb + file);
+        INFO(called.err.substr(0, 500));
+        CHECK(called.code == 0);
     }
 }
 

@@ -8,8 +8,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <regex>
-#include <sstream>
 #include <vector>
 
 namespace fs = std::filesystem;

@@ -5,6 +5,7 @@
 #include "carve/volume/grid_types.h"
 #include "nodes/preview/projection.h"
 #include "nodes/preview/sheet_page.h"
+#include "nodes/preview/sheet_style.h"
 
 #include <fmt/format.h>
 
@@ -18,13 +19,8 @@ namespace {
 
 using openvdb::Coord;
 
-constexpr Colour paper{30, 31, 35};
-constexpr Colour bright{238, 238, 238};
-constexpr Colour dim{166, 170, 178};
-constexpr Canvas::Type title{20, true, bright};
-constexpr Canvas::Type heading{14, true, bright};
-constexpr Canvas::Type plain{12, false, dim};
-constexpr double margin = 20;
+using namespace sheet_style;
+
 constexpr double gap = 14;
 constexpr double header = 100;
 constexpr double caption = 26;

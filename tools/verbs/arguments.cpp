@@ -36,9 +36,10 @@ std::optional<std::uint64_t> parse_size(const std::string& text) {
         {"", 0},    {"B", 0}, {"K", 1},  {"KB", 1},  {"KiB", 1}, {"M", 2},  {"MB", 2},
         {"MiB", 2}, {"G", 3}, {"GB", 3}, {"GiB", 3}, {"T", 4},   {"TB", 4}, {"TiB", 4}};
     const auto found = units.find(unit);
-    if (end == text.c_str() || found == units.end() || !(number > 0) || number > 1e15)
-        return std::nullopt;
-    return static_cast<std::uint64_t>(number * std::pow(1024.0, found->second));
+    if (end == text.c_str() || found == units.end() || !(number > 0)) return std::nullopt;
+    const double bytes = number * std::pow(1024.0, found->second);
+    constexpr double most = 1e18;
+    return bytes <= most ? std::optional(static_cast<std::uint64_t>(bytes)) : std::nullopt;
 }
 
 /// What is wrong with the name of a task; empty: nothing.
@@ -337,6 +338,7 @@ std::vector<std::string> RunArguments::words() const {
         if (!value.empty()) out.insert(out.end(), {option, value});
     };
     add("--memory", memory);
+    add("--missing", missing);
     add("--cache-size", cache_size);
     for (const auto& [option, path] : own_files(request)) add(option, path);
     if (request.wait) out.insert(out.end(), {"--wait", fmt::format("{}", *request.wait)});
@@ -374,7 +376,7 @@ void DiffArguments::declare(CLI::App& verb) {
     number("--fail", request.tolerance.absolute,
            "The difference of two values that still passes (default: 0)");
     number("--relative", request.tolerance.relative,
-           "The same, as a share of the greater value; the greater of both allowances counts "
+           "The same, as a share of the greater value; the greater of both counts "
            "(default: 0)");
     number("--fail-percent", request.fail_percent,
            "The percentage of a grid's voxels in a frame that may differ by more (default: 0)");

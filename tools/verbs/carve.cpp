@@ -3,6 +3,7 @@
 #include "carve/base/words.h"
 #include "formats/file/path_pattern.h"
 #include "graph/build_pipeline.h"
+#include "graph/types/param.h"
 #include "tools/draft/draft.h"
 #include "tools/verbs/draft_files.h"
 #include "tools/verbs/run.h"
@@ -11,8 +12,6 @@
 #include <CLI/CLI.hpp>
 
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string_view>
@@ -25,10 +24,7 @@ namespace {
 /// Whether a text is a number, perhaps with a sign, or a percentage.
 bool is_count(std::string_view text) {
     if (text.ends_with('%')) text.remove_suffix(1);
-    if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
-    double number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    return error == std::errc{} && end == text.data() + text.size() && std::isfinite(number);
+    return parse_number(text).has_value();
 }
 
 /// What is wrong with the arguments, beside what the pipeline's check finds; empty: nothing.

@@ -4,7 +4,7 @@
 #include "runtime/jobs/job_status.h"
 #include "runtime/keep/work_folder.h"
 #include "runtime/run/run.h"
-#include "runtime/tell/outcome.h"
+#include "runtime/tell/exit_codes.h"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include "carve/base/words.h"
 #include "formats/file/confinement.h"
 #include "graph/code_trust.h"
-#include "runtime/tell/outcome.h"
+#include "runtime/tell/exit_codes.h"
 #include "runtime/tell/terminal.h"
 #include "tools/verbs/carve.h"
 #include "tools/verbs/clean.h"

@@ -18,11 +18,6 @@ std::string value_text(const std::vector<double>& value) {
                              : fmt::format("[{:g}]", fmt::join(value, ", "));
 }
 
-/// "frame 7", "frames 7-9".
-std::string frames_text(const FrameSet& frames) {
-    return (frames.frames().size() == 1 ? "frame " : "frames ") + frames.text();
-}
-
 /// What a value differs by if it is counted: " by more than 0.1".
 std::string threshold_text(const Tolerance& tolerance) {
     if (tolerance.none()) return {};
@@ -37,7 +32,7 @@ std::string part_text(const PartComparison& part, const SequenceComparison& of,
                       const Thresholds& thresholds) {
     const auto& sums = part.sums;
     const auto in_frames = [&](const std::vector<int>& frames) {
-        return of.per_frame() ? " in " + frames_text(FrameSet(frames)) : std::string();
+        return of.per_frame() ? " in " + FrameSet(frames).in_words() : std::string();
     };
     constexpr std::array verdicts{"the same", "the same within the thresholds",
                                   "the same within the thresholds, with warnings", "different"};
@@ -140,12 +135,12 @@ Verdict SequenceComparison::verdict() const {
 std::string to_text(const SequenceComparison& comparison, const Thresholds& thresholds) {
     auto out = fmt::format("{} and {}", comparison.a.path.text(), comparison.b.path.text());
     if (comparison.per_frame() && !comparison.frames.frames().empty())
-        out += ", " + frames_text(comparison.frames);
+        out += ", " + comparison.frames.in_words();
     out += "\n";
     for (const auto& [side, only] :
          {std::pair("A", &comparison.only_a), std::pair("B", &comparison.only_b)})
         if (!only->frames().empty())
-            out += fmt::format("  only in {}: {}\n", side, frames_text(*only));
+            out += fmt::format("  only in {}: {}\n", side, only->in_words());
     for (const auto& part : comparison.parts) out += part_text(part, comparison, thresholds);
     return out;
 }

@@ -4,7 +4,7 @@
 #include "graph/types/load_plugin.h"
 #include "graph/views/describe.h"
 #include "graph/views/schema.h"
-#include "runtime/tell/outcome.h"
+#include "runtime/tell/exit_codes.h"
 
 #include <fmt/format.h>
 

@@ -23,11 +23,6 @@ FrameSet frames_of(const Seen& seen) {
     return FrameSet(std::move(out));
 }
 
-/// "frame 7", "frames 7-9".
-std::string in_words(const FrameSet& frames) {
-    return (frames.frames().size() == 1 ? "frame " : "frames ") + frames.text();
-}
-
 Json union_of_boxes(const Seen& seen) {
     Json out = *seen.front().second;
     for (const auto& [frame, box] : seen)
@@ -126,7 +121,7 @@ private:
         std::string out = key + " is ";
         for (const auto& [text, frames] : groups)
             out += fmt::format("{}{} in {}", &frames == &groups.front().second ? "" : ", ", text,
-                               in_words(frames_of(frames)));
+                               frames_of(frames).in_words());
         return out;
     }
 
@@ -149,7 +144,7 @@ Json oddities_of(const std::vector<LookedAt>& files) {
     for (const auto& [text, frames] : all)
         out.push_back(frames.size() == files.size()
                           ? text
-                          : fmt::format("{} ({})", text, in_words(FrameSet(frames))));
+                          : fmt::format("{} ({})", text, FrameSet(frames).in_words()));
     return out;
 }
 
@@ -178,7 +173,7 @@ Json summary_of(const std::vector<LookedAt>& files, const FileInspector& inspect
         auto part = summary.merged(parts[name], name);
         if (const auto frames = frames_of(parts[name]); frames.frames().size() < files.size()) {
             part["frames"] = frames.text();
-            summary.tell("only in " + in_words(frames), name);
+            summary.tell("only in " + frames.in_words(), name);
         }
         out[inspector.parts].push_back(std::move(part));
     }

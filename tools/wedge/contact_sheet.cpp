@@ -1,6 +1,7 @@
 #include "tools/wedge/contact_sheet.h"
 
 #include "nodes/preview/canvas.h"
+#include "nodes/preview/sheet_style.h"
 
 #include <fmt/format.h>
 
@@ -11,13 +12,8 @@
 namespace fluidcarve {
 namespace {
 
-constexpr Colour sheet_paper{30, 31, 35};
-constexpr Colour sheet_bright{238, 238, 238};
-constexpr Colour sheet_dim{166, 170, 178};
-constexpr Canvas::Type sheet_title{20, true, sheet_bright};
-constexpr Canvas::Type label_type{14, true, sheet_bright};
-constexpr Canvas::Type result_type{12, false, sheet_dim};
-constexpr double sheet_margin = 20;
+using namespace sheet_style;
+
 constexpr double sheet_header = 56;
 constexpr double gap_of_cells = 24;  // neighbouring cells
 constexpr double label_height = 19;
@@ -26,18 +22,6 @@ constexpr double beside_picture = 8;         // above and below it
 constexpr double widest = 640;               // of a picture
 constexpr double empty_height = 120;         // of a cell without a picture
 constexpr double most_sheet_pixels = 30000;  // of the sheet, to each side
-
-/// A text cut to a width, with dots.
-std::string fitted(Canvas& canvas, std::string text, const Canvas::Type& type, double room) {
-    if (canvas.text_width(text, type) <= room) return text;
-    // Not in the middle of a letter of several bytes.
-    while (!text.empty() && canvas.text_width(text + "...", type) > room) {
-        while (text.size() > 1 && (static_cast<unsigned char>(text.back()) & 0xc0) == 0x80)
-            text.pop_back();
-        text.pop_back();
-    }
-    return text + "...";
-}
 
 /// The cells in rows.
 class ContactSheet {
@@ -51,27 +35,24 @@ public:
         double most = 320;
         for (const auto& picture : pictures_)
             most = std::max(most, static_cast<double>(picture.width));
-        width_ = std::min(
-            {most, widest,
-             (most_sheet_pixels - sheet_margin) / static_cast<double>(columns_) - gap_of_cells});
+        width_ =
+            std::min({most, widest,
+                      (most_sheet_pixels - margin) / static_cast<double>(columns_) - gap_of_cells});
         if (const auto all = height(); all > most_sheet_pixels)
             width_ = std::max(width_ * most_sheet_pixels / all, 16.0);
     }
 
     void write(const std::string& path) {
-        const auto across = sheet_margin + static_cast<double>(columns_) * (width_ + gap_of_cells);
+        const auto across = margin + static_cast<double>(columns_) * (width_ + gap_of_cells);
         Canvas canvas(static_cast<int>(std::ceil(std::max(across, 400.0))),
-                      static_cast<int>(std::ceil(height())), sheet_paper);
-        canvas.text(sheet_margin, 36,
-                    fitted(canvas, title_, sheet_title, canvas.width() - 2 * sheet_margin),
-                    sheet_title);
+                      static_cast<int>(std::ceil(height())), paper);
+        canvas.text(margin, 36, canvas.fitting(title_, title, canvas.width() - 2 * margin), title);
         double y = sheet_header;
         for (std::size_t row = 0; row < rows(); ++row) {
             for (auto n = row * columns_; n < std::min((row + 1) * columns_, cells_.size()); ++n)
                 draw(canvas, n,
-                     sheet_margin +
-                         static_cast<double>(n - row * columns_) * (width_ + gap_of_cells),
-                     y, row);
+                     margin + static_cast<double>(n - row * columns_) * (width_ + gap_of_cells), y,
+                     row);
             y += row_height(row);
         }
         canvas.write_png(path);
@@ -107,7 +88,7 @@ private:
                results + 2 * beside_picture + gap_of_cells;
     }
     double height() const {
-        double out = sheet_header + sheet_margin;
+        double out = sheet_header + margin;
         for (std::size_t row = 0; row < rows(); ++row) out += row_height(row);
         return out;
     }
@@ -116,15 +97,14 @@ private:
         const auto lines = [&](const std::vector<std::string>& texts, const Canvas::Type& type,
                                double from, double step) {
             for (const auto& text : texts)
-                canvas.text(x, from += step, fitted(canvas, text, type, width_), type);
+                canvas.text(x, from += step, canvas.fitting(text, type, width_), type);
         };
-        lines(cells_[n].labels, label_type, y - 5, label_height);
+        lines(cells_[n].labels, heading, y - 5, label_height);
         y += labels_height(row) + beside_picture;
         const Canvas::Rect place{x, y, std::round(width_), picture_height(n)};
         if (pictures_[n].width > 0) canvas.picture(place, pictures_[n], Canvas::Enlarge::smoothly);
-        else canvas.outline(place, sheet_dim, true);
-        lines(cells_[n].results, result_type, place.y + place.height + beside_picture - 4,
-              result_height);
+        else canvas.outline(place, dim, true);
+        lines(cells_[n].results, plain, place.y + place.height + beside_picture - 4, result_height);
     }
 
     std::string title_;

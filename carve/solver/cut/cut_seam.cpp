@@ -17,7 +17,10 @@ namespace {
 /// ever worth it.
 constexpr float most_lift_of_range = 1024;
 /// By which factor scaled step costs may exceed scaled energies.
-constexpr float room_for_lifts = 8;
+constexpr int room_for_lifts = 8;
+/// Bits of a scaled energy: with steps, and without.
+constexpr int bits_beside_steps = 23, bits_alone = 24;
+static_assert((1 << bits_beside_steps) * room_for_lifts <= Cut::most_cost);
 
 /// Cost of the most expensive step in a band.
 float highest_lift(const Columns& columns, const Band& band, const StepCosts& steps) {
@@ -100,7 +103,7 @@ CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at,
     std::frexp(
         std::max(range, std::min(most_lift, highest_lift(columns, band, steps)) / room_for_lifts),
         &exponent);
-    for (int bits = steps ? 23 : 24;; bits -= 6) {
+    for (int bits = steps ? bits_beside_steps : bits_alone;; bits -= 6) {
         const double scale = std::ldexp(1.0, bits - exponent);
         const auto cost_of = [&](std::size_t c, Band::Column range, std::int32_t* costs) {
             const double low = lows.empty() ? 0.0 : lows[c];

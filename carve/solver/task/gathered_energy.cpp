@@ -100,7 +100,7 @@ void GatheredEnergy::add(const SolverParams& params, const FrameEnergy& frame, c
     }
     join(marks_.protect_missed, frame.protect_missed);
     join(marks_.attract_missed, frame.attract_missed);
-    forward_ = !frame.field.empty();
+    has_field_ = !frame.field.empty();
     finest_ = frame.finest;
     if (!energy_) energy_.emplace(room(lattice.shape, at.frames, params, limits, budget(limits)));
     gather(frame, at.place / static_cast<std::size_t>(finest_));
@@ -145,7 +145,7 @@ std::vector<std::string> GatheredEnergy::warnings() const {
                         *share < least_share ? fmt::format("less than {:g} %", 100 * least_share)
                                              : fmt::format("{:.2g} %", 100 * *share)));
     // With a field, seams pay for edges; with masks, they follow these.
-    if (lowest_ == highest_ && !forward_ && !marks_.protect && !marks_.attract)
+    if (lowest_ == highest_ && !has_field_ && !marks_.protect && !marks_.attract)
         out.push_back(fmt::format(
             "`energy` is {:g} at all vertices of the lattice in all frames: a seam costs the same "
             "wherever it goes, and will go anywhere; "
@@ -162,9 +162,9 @@ EnergyVolume GatheredEnergy::room(const std::array<int, 3>& shape, std::size_t f
          finest_ == 2 ? halved(frames) : frames,
          lattices_.front()->closed && params.axis != Axis::w, lattices_.front()->around},
         {budget, limits.folder});
-    const int spread = params.spread.value_or(forward_ ? 3 : 0);
+    const int spread = params.spread.value_or(has_field_ ? 3 : 0);
     out.set_spread(finest_ == 2 ? halved(spread) : spread);
-    if (forward_) out.add_field(0, budget, limits.folder);
+    if (has_field_) out.add_field(0, budget, limits.folder);
     return out;
 }
 
@@ -224,7 +224,7 @@ GatheredEnergy::Taken GatheredEnergy::take_unpriced(const SolverParams& params,
 
 std::optional<Thick> GatheredEnergy::thick_for(const SolverParams& params,
                                                const EnergyVolume& energy) const {
-    if (!forward_ || params.thickness == 1) return std::nullopt;
+    if (!has_field_ || params.thickness == 1) return std::nullopt;
     const auto& shape = lattices_.front()->shape;
     const bool image = std::ranges::min(shape) == 1;
     const bool for_thin = params.static_ || params.pair_static || params.cost || params.spread;
@@ -253,7 +253,7 @@ GatheredEnergy::Searched GatheredEnergy::take(const SolverParams& params, const 
     if (out.thick) {
         out.energy.set_spread(0);
     } else {
-        set_prices(out.energy, taken.typical, prices_of(params, forward_));
+        set_prices(out.energy, taken.typical, prices_of(params, has_field_));
         if (out.energy.has_field()) out.energy.count_edges(limits.memory / 3, limits.folder);
     }
     if (marks_.protect || marks_.attract) out.energy.find_marks();

@@ -45,7 +45,7 @@ public:
     const std::vector<Ref<Lattice>>& lattices() const { return lattices_; }
     /// 1, or 2 if the frames came at half size. Then two frames become one, too: their mean.
     int finest() const { return finest_; }
-    bool has_field() const { return forward_; }         ///< whether the frames came with a field
+    bool has_field() const { return has_field_; }       ///< whether the frames came with a field
     const MarkCounts& marks() const { return marks_; }  ///< in all frames, before `after` is carved
     /// Requires that some active voxel, if there are any, lies in the lattice of its frame.
     /// @throws Failure that says where both are
@@ -87,7 +87,9 @@ private:
                       const SolverParams& params, const Limits& limits, std::uint64_t budget) const;
     /// Bytes of the memory budget for the energies. The field, and the energies without its edges,
     /// may take as much each.
-    std::uint64_t budget(const Limits& limits) const { return limits.memory / (forward_ ? 3 : 1); }
+    std::uint64_t budget(const Limits& limits) const {
+        return limits.memory / (has_field_ ? 3 : 1);
+    }
     /// What another volume leaves of the budget. One that is larger than the budget is in a file.
     std::uint64_t left_beside(const EnergyVolume& other, const Limits& limits) const;
     /// The energy of the whole lattice, repeated in the frames that share it.
@@ -105,7 +107,7 @@ private:
     std::vector<bool> begun_;
     SameVoxels transform_, field_transform_;
     MarkCounts marks_;
-    bool forward_ = false;       ///< whether there is a field
+    bool has_field_ = false;     ///< whether there is a field
     Content content_;            ///< of all frames
     openvdb::BBoxd active_box_;  ///< world box of all frames' active voxels
     std::uint16_t lowest_ = invalid_energy_code,

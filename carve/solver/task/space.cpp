@@ -1,6 +1,6 @@
 #include "carve/solver/task/space.h"
 
-#include "carve/lattice/extension.h"
+#include "carve/lattice/extension_faults.h"
 
 #include <optional>
 
@@ -34,11 +34,11 @@ std::string CarvedSpace::extension_fault(const Seams& found) const {
     for (const auto& set : after_)
         if (set->axis == found.axis) first += set->shift_after(set->size());
     const int end = first + found.shape_after(found.size())[axis];
-    Extension extension;
+    ExtensionFaults faults;
     for (std::size_t t = 0; t < lattices_.size(); ++t)
-        extension.add(*lattices_[t], found.axis, std::max(0, -first),
-                      std::max(0, end - lattices_[t]->shape[axis]), frames_[t]);
-    return extension.fault();
+        faults.add(*lattices_[t], found.axis, std::max(0, -first),
+                   std::max(0, end - lattices_[t]->shape[axis]), frames_[t]);
+    return faults.fault();
 }
 
 }  // namespace fluidcarve

@@ -94,4 +94,6 @@ TEST_CASE("a curve holds, jumps to another speed and says which frames there are
     CHECK_THROWS_WITH(Pace(request, source), "a point of 'curve' is [frame, frame of the source]");
     CHECK_THROWS_WITH(Pace(PaceRequest(), source), Catch::Contains("is stated"));
     CHECK_THROWS_WITH(Pace(at_speed(1e-6), source), Catch::Contains("a million are the most"));
+    request.curve = {{1e12, 1}};
+    CHECK_THROWS_WITH(Pace(request, source), "the curve's frame 1e+12 is no frame number");
 }

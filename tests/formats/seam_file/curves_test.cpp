@@ -7,7 +7,6 @@
 #include <catch2/catch.hpp>
 
 #include <cstring>
-#include <set>
 
 using namespace fluidcarve;
 

@@ -17,8 +17,6 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <limits>
-#include <thread>
 
 using namespace fluidcarve;
 using openvdb::Coord;

@@ -17,7 +17,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <thread>
 
 using namespace fluidcarve;
 using openvdb::Coord;

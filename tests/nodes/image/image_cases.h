@@ -13,9 +13,6 @@
 
 #include <sys/stat.h>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <limits>
 #include <random>
 
 using namespace fluidcarve;

@@ -12,8 +12,6 @@
 
 #include <sys/stat.h>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
 #include <limits>
 #include <random>
 

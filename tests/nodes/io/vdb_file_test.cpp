@@ -15,7 +15,6 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <csignal>
-#include <cstring>
 #include <random>
 
 using namespace fluidcarve;

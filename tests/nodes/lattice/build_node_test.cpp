@@ -1,6 +1,6 @@
 #include "carve/base/failure.h"
 #include "carve/lattice/build.h"
-#include "carve/lattice/extension.h"
+#include "carve/lattice/extension_faults.h"
 #include "carve/lattice/overlap.h"
 #include "carve/rig/circle.h"
 #include "nodes/lattice.h"
@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <set>
 #include <sstream>
 
@@ -102,13 +101,13 @@ TEST_CASE(
     const auto legs = [&](double apart) {
         return build_lattice(hairpin_rig(apart), inwards).lattice;
     };
-    Extension sound;
+    ExtensionFaults sound;
     sound.add(legs(2), Axis::u, 0, 0, 1);
     sound.add(legs(2), Axis::u, 0, 2, 1);
     sound.add(legs(2), Axis::v, 0, 40, 1);
     CHECK(sound.fault().empty());
 
-    Extension one;
+    ExtensionFaults one;
     one.add(legs(2), Axis::u, 0, 4, 1);
     const auto lattice = legs(2);
     auto extent = lattice.shape;
@@ -128,7 +127,7 @@ TEST_CASE(
                       "there is lost; insert fewer seams, or turn the lattice around "
                       "with its `flip_u` or its rig's `up`, so that it grows to the other side",
                       folds.cells, between(folds.plane), overlap.voxels, between(overlap.plane)));
-    Extension moving;
+    ExtensionFaults moving;
     for (const auto& [frame, apart] : {std::pair(1, 4.0), std::pair(2, 2.0), std::pair(3, 3.0)})
         moving.add(legs(apart), Axis::u, 0, 4, frame);
     CHECK(moving.fault().find(fmt::format("{} cells are folded in frame 2, ", folds.cells)) !=

@@ -11,8 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
-#include <sstream>
 
 using namespace fluidcarve;
 using namespace fluidcarve::test;

@@ -13,8 +13,6 @@
 #include <sys/stat.h>
 
 #include <array>
-#include <cmath>
-#include <cstring>
 #include <filesystem>
 
 using namespace fluidcarve;

@@ -14,8 +14,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
 
 using namespace fluidcarve;
 using namespace fluidcarve::test;

@@ -16,8 +16,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <functional>
-#include <limits>
 
 using namespace fluidcarve;
 using namespace fluidcarve::test;

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 using namespace fluidcarve;
 using namespace fluidcarve::test;

@@ -14,7 +14,6 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
-#include <set>
 
 using namespace fluidcarve;
 using namespace fluidcarve::test;

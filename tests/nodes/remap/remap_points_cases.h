@@ -15,9 +15,6 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include <cmath>
-#include <map>
-
 using namespace fluidcarve;
 using namespace fluidcarve::test;
 using openvdb::BBoxd;

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <vector>

@@ -11,7 +11,7 @@ namespace fluidcarve {
 /// Collects, over the frames, faults of the cells that insertions add before the first or beyond
 /// the last vertices of a lattice (METHOD 2): folds and overlaps that the lattice itself does not
 /// have.
-class Extension {
+class ExtensionFaults {
 public:
     /// Checks the lattice of a frame.
     /// @param axis          along which seams are inserted

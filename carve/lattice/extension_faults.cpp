@@ -1,4 +1,4 @@
-#include "carve/lattice/extension.h"
+#include "carve/lattice/extension_faults.h"
 
 #include "carve/base/words.h"
 #include "carve/volume/cubes.h"
@@ -11,7 +11,7 @@
 
 namespace fluidcarve {
 
-void Extension::add(const Lattice& lattice, Axis axis, int below, int above, int frame) {
+void ExtensionFaults::add(const Lattice& lattice, Axis axis, int below, int above, int frame) {
     if ((below == 0 && above == 0) || lattice.hash == hash_) return;
     moves_ = !hash_.empty();
     hash_ = lattice.hash;
@@ -39,13 +39,13 @@ void Extension::add(const Lattice& lattice, Axis axis, int below, int above, int
              overlap.plane);
 }
 
-std::string Extension::where(const Worst& worst) const {
+std::string ExtensionFaults::where(const Worst& worst) const {
     return fmt::format("{}, most of them between planes {} and {}",
                        moves_ ? fmt::format(" in frame {}", worst.frame) : "", worst.plane,
                        (worst.plane + 1) % planes_);
 }
 
-std::string Extension::fault() const {
+std::string ExtensionFaults::fault() const {
     if (folds_.count == 0 && overlap_.count == 0) return {};
     std::string out = fmt::format(
         "to insert {}, the lattice is extended beyond its {} vertex along {}, and there",

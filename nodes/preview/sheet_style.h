@@ -1,0 +1,17 @@
+#pragma once
+
+#include "nodes/preview/canvas.h"
+
+// Colours, types and margin of sheets.
+
+namespace fluidcarve::sheet_style {
+
+inline constexpr Colour paper{30, 31, 35};
+inline constexpr Colour bright{238, 238, 238};
+inline constexpr Colour dim{166, 170, 178};
+inline constexpr Canvas::Type title{20, true, bright};
+inline constexpr Canvas::Type heading{14, true, bright};
+inline constexpr Canvas::Type plain{12, false, dim};
+inline constexpr double margin = 20;  ///< pixels
+
+}  // namespace fluidcarve::sheet_style
