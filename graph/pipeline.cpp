@@ -29,13 +29,18 @@ Problems warnings_of(const Pipeline& pipeline) {
     return out;
 }
 
+std::vector<Node::Written> Node::written() const {
+    std::vector<Written> out;
+    for (const auto& spec : type->params)
+        if (spec.writes_file())
+            if (const auto& path = spec.path(params.get()); !path.text().empty())
+                out.push_back({spec, path});
+    return out;
+}
+
 bool Pipeline::writes(std::size_t n) const {
     const auto& node = nodes[n];
-    return node.outputs.empty() &&
-           std::any_of(
-               node.type->params.begin(), node.type->params.end(), [&](const ParamSpec& spec) {
-                   return spec.writes_file() && !spec.path(node.params.get()).text().empty();
-               });
+    return node.outputs.empty() && !node.written().empty();
 }
 
 std::string to_text(Rate rate) {

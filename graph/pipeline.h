@@ -52,6 +52,14 @@ struct Node {
 
     std::vector<Problem> warnings;  ///< warnings of its check
 
+    /// A path that it writes, with its parameter.
+    struct Written {
+        const ParamSpec& param;
+        const PathPattern& path;
+    };
+    /// The paths that it writes, without empty ones. The parameters must be there.
+    std::vector<Written> written() const;
+
     bool streams_in() const { return gathers && per_frame_input; }  ///< it gathers frame by frame
     /// Whether its outputs have other frames than its inputs.
     bool retimes() const { return type && type->retimes && streams_in(); }

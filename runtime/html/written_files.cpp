@@ -50,10 +50,7 @@ WrittenFiles written_files(const Pipeline& pipeline, const std::vector<int>& del
                            const Json& report, fs::file_time_type start, const fs::path& page) {
     WrittenFiles out;
     for (const auto& node : pipeline.nodes)
-        for (const auto& spec : node.type->params) {
-            if (!spec.writes_file()) continue;
-            const auto& pattern = spec.path(node.params.get());
-            if (pattern.text().empty()) continue;
+        for (const auto& [param, pattern] : node.written()) {
             const auto frames = delivered.empty() || !pattern.per_frame()
                                     ? std::vector<int>{pipeline.frames.frames().front()}
                                     : delivered;

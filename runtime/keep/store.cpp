@@ -22,11 +22,8 @@ Store::Store(const Pipeline& pipeline, const Dependencies& dependencies, Keys& k
 std::vector<std::string> Store::outputs(std::size_t n, std::size_t place) const {
     const auto& node = pipeline_.nodes[n];
     std::vector<std::string> out;
-    for (const auto& spec : node.type->params)
-        if (spec.writes_file())
-            if (const auto& path = spec.path(node.params.get()); !path.text().empty())
-                out.push_back(
-                    path.at(dependencies_.frames().at(node.rate == Rate::frame ? place : 0)));
+    for (const auto& [param, path] : node.written())
+        out.push_back(path.at(dependencies_.frames().at(node.rate == Rate::frame ? place : 0)));
     return out;
 }
 

@@ -38,13 +38,11 @@ namespace {
 void try_outputs(const Pipeline& pipeline, const std::vector<Share>& shares, int frame,
                  Report& report) {
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        if (shares[n].runs == 0) continue;
         const auto& node = pipeline.nodes[n];
-        for (const auto& spec : node.type->params) {
-            if (shares[n].runs == 0 || !spec.writes_file() ||
-                spec.path(node.params.get()).text().empty())
-                continue;
+        for (const auto& [param, path] : node.written()) {
             try {
-                const OutputFile file(spec.path(node.params.get()).at(frame));
+                const OutputFile file(path.at(frame));
             } catch (const Failure& failure) {
                 report.failed(
                     fault_in(node, node.rate == Rate::frame ? std::optional(frame) : std::nullopt,

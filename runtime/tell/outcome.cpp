@@ -35,11 +35,8 @@ std::vector<std::string> written_paths(const Pipeline& pipeline, const std::vect
     for (std::size_t n = 0; n < shares.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         if (shares[n].frames == 0) continue;
-        for (const auto& spec : node.type->params) {
-            if (!spec.writes_file()) continue;
-            const auto& path = spec.path(node.params.get()).text();
-            if (!path.empty() && std::ranges::find(out, path) == out.end()) out.push_back(path);
-        }
+        for (const auto& [param, path] : node.written())
+            if (std::ranges::find(out, path.text()) == out.end()) out.push_back(path.text());
     }
     return out;
 }
@@ -48,11 +45,9 @@ std::optional<std::size_t> written_frames(const Pipeline& pipeline,
                                           const std::vector<Share>& shares) {
     std::optional<std::size_t> out;
     for (std::size_t n = 0; n < shares.size(); ++n) {
-        const auto& node = pipeline.nodes[n];
-        for (const auto& spec : node.type->params)
-            if (shares[n].frames > 0 && spec.writes_file() &&
-                spec.path(node.params.get()).per_frame())
-                out = std::max(out.value_or(0), shares[n].frames);
+        if (shares[n].frames == 0) continue;
+        for (const auto& [param, path] : pipeline.nodes[n].written())
+            if (path.per_frame()) out = std::max(out.value_or(0), shares[n].frames);
     }
     return out;
 }

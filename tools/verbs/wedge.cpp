@@ -55,33 +55,23 @@ struct WedgeRun {
     WedgeResult result;
 };
 
-/// Visits the paths that the nodes write: `visit(node, param, path)`.
-template <class Visit>
-void each_output(const Pipeline& pipeline, const Visit& visit) {
-    for (const auto& node : pipeline.nodes)
-        for (const auto& spec : node.type->params) {
-            if (!spec.writes_file()) continue;
-            const auto& path = spec.path(node.params.get());
-            if (!path.text().empty()) visit(node, spec, path);
-        }
-}
-
 /// Settings by which a pipeline writes all of its files into a folder, under their own names.
 std::vector<std::string> outputs_into(const std::string& folder, const Pipeline& pipeline) {
     std::map<std::string, int> named;
-    each_output(pipeline, [&](const Node&, const ParamSpec&, const PathPattern& path) {
-        ++named[fs::path(path.text()).filename().string()];
-    });
+    for (const auto& node : pipeline.nodes)
+        for (const auto& [param, path] : node.written())
+            ++named[fs::path(path.text()).filename().string()];
     std::vector<std::string> out;
     std::map<std::string, std::string> moved;
-    each_output(pipeline, [&](const Node& node, const ParamSpec& spec, const PathPattern& path) {
-        const auto name = fs::path(path.text()).filename();
-        const auto to =
-            (named.at(name.string()) > 1 ? fs::path(folder) / node.name / name : folder / name)
-                .string();
-        moved.emplace(fs::path(path.text()).lexically_normal().string(), to);
-        out.push_back(fmt::format("{}.{}={}", node.name, spec.name, to));
-    });
+    for (const auto& node : pipeline.nodes)
+        for (const auto& [param, path] : node.written()) {
+            const auto name = fs::path(path.text()).filename();
+            const auto to =
+                (named.at(name.string()) > 1 ? fs::path(folder) / node.name / name : folder / name)
+                    .string();
+            moved.emplace(fs::path(path.text()).lexically_normal().string(), to);
+            out.push_back(fmt::format("{}.{}={}", node.name, param.name, to));
+        }
     for (const auto& node : pipeline.nodes)
         for (const auto& spec : node.type->params) {
             if (!spec.written || spec.written(node.params.get()).empty()) continue;
@@ -126,10 +116,11 @@ std::string add_preview(Document& document, const DraftRequest::Fields& fields,
 /// The picture of the first preview; empty: there is none.
 std::string picture_of(const Pipeline& pipeline) {
     std::string out;
-    each_output(pipeline, [&](const Node& node, const ParamSpec&, const PathPattern& path) {
-        if (out.empty() && node.type->name.starts_with("preview.") && path.text().ends_with(".png"))
-            out = path.at(pipeline.frames.frames().front());
-    });
+    for (const auto& node : pipeline.nodes)
+        for (const auto& [param, path] : node.written())
+            if (out.empty() && node.type->name.starts_with("preview.") &&
+                path.text().ends_with(".png"))
+                out = path.at(pipeline.frames.frames().front());
     return out;
 }
 
