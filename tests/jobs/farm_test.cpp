@@ -186,6 +186,9 @@ TEST_CASE("a dry run shows the steps and makes nothing") {
     CHECK(command.at(0) == "rez-env");
     CHECK(command.at(3) == "fluidcarve");
     CHECK(command.back() == "--frames=51-54");
+    const auto skips =
+        call_shell(plume.command("farm local", "out", "--dry-run --missing skip")).out;
+    CHECK_THAT(skips, Catch::Contains(" --missing skip "));
     const auto named = call_shell("FLUIDCARVE_EXECUTABLE=/opt/f " +
                                   plume.command("farm local", "out", "--dry-run"));
     CHECK_THAT(named.out, Catch::Contains("\n  /opt/f run pipelines/plume.yaml "));

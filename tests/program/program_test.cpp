@@ -221,6 +221,8 @@ TEST_CASE("exit codes and channels are the contract's") {
           "--from: there is no node 'otu'; did you mean 'out'?\n");
     CHECK(fluidcarve_program("run " + path + " --memory lots").err ==
           "--memory must be a size such as 8G, not 'lots'\n");
+    CHECK(fluidcarve_program("run " + path + " --memory 100000000T").err ==
+          "--memory must be a size such as 8G, not '100000000T'\n");
 
     scratch.write("bad.yaml", "fluidcarve: 1\nnodes:\n  sim: {type: vdb.raed, path: a}\n");
     const auto problems =
