@@ -45,6 +45,8 @@ struct Range {
 constexpr Range at_least(double min) { return {min, std::numeric_limits<double>::infinity()}; }
 constexpr Range between(double min, double max) { return {min, max}; }
 constexpr Range any_number() { return {}; }
+/// "from 0 to 10", "at least 1"; empty: any number.
+std::string to_text(const Range& range);
 
 /// The form of a parameter's value. Messages, the reference and the JSON schema are derived from
 /// it.
