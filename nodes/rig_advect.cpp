@@ -130,7 +130,8 @@ private:
         const auto& frames = context.frames();
         const auto t = context.place();
         if (frames.size() < 2) return 1;
-        return t + 1 < frames.size() ? frames[t + 1] - frames[t] : frames[t] - frames[t - 1];
+        const auto from = t + 1 < frames.size() ? t : t - 1;
+        return static_cast<double>(frames[from + 1]) - frames[from];
     }
 
     [[noreturn]] static void refuse_lost(const Params& params) {

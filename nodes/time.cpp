@@ -21,6 +21,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -104,7 +105,7 @@ protected:
     /// Content of the context's frame.
     Loop::Shown shown(const Context& context) const {
         return loop_.shown(
-            static_cast<std::size_t>((context.frame() - place_.first) / place_.step));
+            static_cast<std::size_t>((std::int64_t{context.frame()} - place_.first) / place_.step));
     }
 
 private:

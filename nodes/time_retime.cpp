@@ -30,8 +30,8 @@ namespace fluidcarve {
 namespace {
 
 /// Difference between the numbers of a frame and the next.
-int frames_behind(const std::vector<int>& numbers, std::size_t place) {
-    return numbers[place + 1] - numbers[place];
+double frames_behind(const std::vector<int>& numbers, std::size_t place) {
+    return static_cast<double>(numbers[place + 1]) - numbers[place];
 }
 
 /// At most three places of pairs of neighbouring frames, spread evenly.
@@ -114,7 +114,7 @@ private:
     double found_scale(Context& context) const {
         struct Pair {
             MovingFrame a, b;
-            int frames;  ///< from one frame to the other
+            double frames;  ///< from one frame to the other
         };
         std::vector<Pair> pairs;
         double speed = 0;

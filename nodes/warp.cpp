@@ -42,7 +42,7 @@ public:
 
     static std::size_t of(double amount, bool paired) {
         const double steps =
-            std::min((paired ? std::abs(amount) : -amount) / warp_amount_step, most);
+            std::clamp((paired ? std::abs(amount) : -amount) / warp_amount_step, -zero, most);
         return static_cast<std::size_t>(std::floor(steps + (paired ? 0 : zero)) + first);
     }
     /// The reverse. @param sign  of a pair's amount

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -181,7 +182,8 @@ std::vector<int> even_frames(int first, int step, double count) {
                         "number",
                         last, most));
     std::vector<int> out;
-    for (int n = 0; n < static_cast<int>(count); ++n) out.push_back(first + step * n);
+    for (int n = 0; n < static_cast<int>(count); ++n)
+        out.push_back(static_cast<int>(first + std::int64_t{step} * n));
     return out;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -29,8 +30,10 @@ void put_number(std::string& out, double number, NumberType type, bool swap) {
     with_number_type(type, [&](auto value) {
         using T = decltype(value);
         if constexpr (std::is_integral_v<T>)
-            number = std::clamp<double>(number, std::numeric_limits<T>::lowest(),
-                                        std::numeric_limits<T>::max());
+            number = std::isnan(number)
+                         ? 0
+                         : std::clamp<double>(number, std::numeric_limits<T>::lowest(),
+                                              std::numeric_limits<T>::max());
         auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(static_cast<T>(number));
         if (swap) std::reverse(bytes.begin(), bytes.end());
         out.append(bytes.data(), bytes.size());

@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace fluidcarve {
 
 int Count::of(int size) const {
-    return static_cast<int>(std::lround(percent ? value / 100 * size : value));
+    constexpr double most = 1e9;
+    return static_cast<int>(
+        std::lround(std::clamp(percent ? value / 100 * size : value, -most, most)));
 }
 
 std::string text_of(const Count& count) {

@@ -70,6 +70,13 @@ std::optional<Coord> voxel_at(const Vec3d& at) {
     return is_near(at) ? std::optional(Coord::round(at)) : std::nullopt;
 }
 
+Vec3d near_place(const Vec3d& at) {
+    const auto near = [](double x) {
+        return std::isnan(x) ? 0 : std::clamp<double>(x, -farthest_voxel, farthest_voxel);
+    };
+    return {near(at.x()), near(at.y()), near(at.z())};
+}
+
 CoordBBox voxels_around(const openvdb::BBoxd& world, const openvdb::math::Transform& transform,
                         const std::string& what) {
     const auto box = transform.worldToIndex(world);

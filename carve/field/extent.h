@@ -32,6 +32,10 @@ openvdb::CoordBBox padded(const openvdb::CoordBBox& box, int voxels);
 /// The voxel nearest to a place; nothing if it is not finite or lies beyond `farthest_voxel`.
 /// @param at  index coordinates
 std::optional<openvdb::Coord> voxel_at(const openvdb::Vec3d& at);
+/// A place to sample a grid at: clamped to `farthest_voxel`, and 0 where it is no number, since
+/// samplers convert places to whole numbers.
+/// @param at  index coordinates
+openvdb::Vec3d near_place(const openvdb::Vec3d& at);
 /// The voxels within a box in the world, and the next ones around it where a side lies between
 /// voxels.
 /// @param what  the box, as the message calls it: "the lattice"

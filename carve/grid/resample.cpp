@@ -3,6 +3,7 @@
 #include "carve/base/failure.h"
 #include "carve/base/words.h"
 #include "carve/field/collocate.h"
+#include "carve/field/extent.h"
 #include "carve/grid/each_grid.h"
 #include "carve/volume/stored_form.h"
 
@@ -22,7 +23,12 @@ namespace {
 ///   budget
 void require_fits(const openvdb::GridBase& grid, const openvdb::math::Transform& transform,
                   double value_bytes, std::uint64_t budget) {
-    const auto centre = grid.evalActiveVoxelBoundingBox().getCenter();
+    const auto box = grid.evalActiveVoxelBoundingBox();
+    require_near(grid.getName(), box);
+    const openvdb::BBoxd shown(box.min().asVec3d(), box.max().asVec3d());
+    voxels_around(grid.transform().indexToWorld(shown), transform,
+                  fmt::format("grid '{}'", grid.getName()));
+    const auto centre = shown.getCenter();
     const auto volume = [](const openvdb::math::Transform& of, const openvdb::Vec3d& at) {
         return std::abs(of.voxelSize(at).product());
     };

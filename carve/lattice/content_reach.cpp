@@ -1,6 +1,7 @@
 #include "carve/lattice/content_reach.h"
 
 #include "carve/base/median.h"
+#include "carve/field/extent.h"
 #include "carve/field/shown_part.h"
 #include "carve/lattice/directions.h"
 #include "carve/lattice/resample.h"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -131,11 +133,15 @@ private:
         for (; tile; ++tile) {
             if (!shown_(*tile)) continue;
             const auto box = tile.getBoundingBox();
-            const int step = std::max(leaf, box.dim().x() / most_along);
-            for (int x = box.min().x(); x < box.max().x(); x += step)
-                for (int y = box.min().y(); y < box.max().y(); y += step)
-                    for (int z = box.min().z(); z < box.max().z(); z += step) {
-                        const auto part = CoordBBox::createCube(Coord(x, y, z), step);
+            // In 64 bits, since a tile may end where coordinates do.
+            const std::int64_t step = std::max<std::int64_t>(leaf, box.dim().x() / most_along);
+            for (std::int64_t x = box.min().x(); x < box.max().x(); x += step)
+                for (std::int64_t y = box.min().y(); y < box.max().y(); y += step)
+                    for (std::int64_t z = box.min().z(); z < box.max().z(); z += step) {
+                        const Coord corner_of_part(static_cast<int>(x), static_cast<int>(y),
+                                                   static_cast<int>(z));
+                        const auto part =
+                            CoordBBox::createCube(corner_of_part, static_cast<int>(step));
                         const auto near = planes_near(part);
                         for (int n = 0; n < 8; ++n) {
                             const Coord corner((n & 1 ? part.max() : part.min()).x(),

@@ -144,7 +144,8 @@ MaskGrid::Ptr below_surface_mask(const std::vector<Ref<FloatGrid>>& surfaces,
         for (block[c] = first[c]; block[c] <= box.max()[c]; block[c] += edge)
             lines.push_back(block);
     std::vector<std::vector<std::unique_ptr<Leaf>>> leaves(lines.size());
-    const Line line(surfaces, box, up, static_cast<int>(std::lround(depth / up.voxel)));
+    const Line line(surfaces, box, up,
+                    static_cast<int>(std::min(std::round(depth / up.voxel), 2.0 * farthest_voxel)));
     tbb::parallel_for(std::size_t{0}, lines.size(),
                       [&](std::size_t n) { leaves[n] = line(lines[n]); });
     for (auto& all : leaves)

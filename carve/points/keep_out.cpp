@@ -1,5 +1,7 @@
 #include "carve/points/keep_out.h"
 
+#include "carve/field/extent.h"
+
 #include <openvdb/tools/Interpolation.h>
 #include <tbb/parallel_for.h>
 
@@ -18,11 +20,14 @@ using openvdb::Vec3d;
 class Solid {
 public:
     explicit Solid(const FloatGrid& distances)
-        : values_(distances.getConstAccessor()),
+        : distances_(distances),
+          values_(distances.getConstAccessor()),
           sample_(values_, distances.transform()),
           voxel_(distances.voxelSize().x()) {}
 
-    double operator()(const Vec3d& at) const { return static_cast<double>(sample_.wsSample(at)); }
+    double operator()(const Vec3d& at) const {
+        return sample_.isSample(near_place(distances_.worldToIndex(at)));
+    }
 
     /// Moves a point to the surface. @param at  world position @return false if it is still inside
     bool leave(Vec3d& at) const {
@@ -43,6 +48,7 @@ public:
     }
 
 private:
+    const FloatGrid& distances_;
     FloatGrid::ConstAccessor values_;
     openvdb::tools::GridSampler<FloatGrid::ConstAccessor, openvdb::tools::BoxSampler> sample_;
     double voxel_;

@@ -1,6 +1,7 @@
 #include "carve/rig/advect.h"
 
 #include "carve/base/failure.h"
+#include "carve/field/extent.h"
 #include "carve/rig/rig.h"
 #include "carve/volume/cubes.h"
 
@@ -31,7 +32,7 @@ public:
           staggered_(velocity.getGridClass() == openvdb::GRID_STAGGERED) {}
 
     Vec3d at(const Vec3d& world) const {
-        const auto index = grid_.worldToIndex(world);
+        const auto index = near_place(grid_.worldToIndex(world));
         openvdb::Vec3s out;
         if (staggered_) openvdb::tools::StaggeredBoxSampler::sample(accessor_, index, out);
         else openvdb::tools::BoxSampler::sample(accessor_, index, out);
@@ -46,8 +47,7 @@ public:
     /// @return nothing if the point starts in, or reaches, inactive velocity
     std::optional<Vec3d> moved(Vec3d p, double duration, double voxel) const {
         for (double left = duration; left > 0;) {
-            if (!accessor_.isValueOn(grid_.transform().worldToIndexCellCentered(p)))
-                return std::nullopt;
+            if (!is_active(p)) return std::nullopt;
             const auto a = at(p);
             const double speed = a.length();
             if (speed == 0) return p;
@@ -57,11 +57,15 @@ public:
             p += step / 6 * (a + 2.0 * b + 2.0 * c + d);
             left = step < left ? left - step : 0;
         }
-        return accessor_.isValueOn(grid_.transform().worldToIndexCellCentered(p)) ? std::optional(p)
-                                                                                  : std::nullopt;
+        return is_active(p) ? std::optional(p) : std::nullopt;
     }
 
 private:
+    bool is_active(const Vec3d& world) const {
+        const auto voxel = voxel_at(grid_.worldToIndex(world));
+        return voxel && accessor_.isValueOn(*voxel);
+    }
+
     const VectorGrid& grid_;
     VectorGrid::ConstAccessor accessor_;
     bool staggered_;

@@ -1,5 +1,6 @@
 #include "carve/seam/choice.h"
 
+#include "carve/field/extent.h"
 #include "carve/seam/carve_map.h"
 
 #include <openvdb/tools/Interpolation.h>
@@ -62,7 +63,8 @@ std::vector<Plane> planes_of(const Seams& set, const Lattice& lattice, const Flo
         for (int row = 0; row < source.rows; ++row)
             for (int u = 0; u < source.width; ++u) {
                 const auto at = vertex_of<double>(set.axis, u, first_row + row, slice);
-                source.row(row)[u] = sample.wsSample(lattice.position(openvdb::Vec3d(at.data())));
+                source.row(row)[u] = sample.isSample(
+                    near_place(field.worldToIndex(lattice.position(openvdb::Vec3d(at.data())))));
             }
     });
     return out;

@@ -32,6 +32,8 @@ constexpr float most_step = 1.5f;  ///< voxels by which a round corrects at most
 /// Resistance against correction, as shares of the structure tensor's trace: of the largest one,
 /// and of the place's own.
 constexpr float at_least = 1e-4f, own = 0.02f;
+/// Voxels that a velocity moves at most: a wild one would widen what is moved without end.
+constexpr float furthest = 64;
 constexpr int margin = 4;     ///< voxels around the visible content
 constexpr int coarsest = 24;  ///< voxels along the longest side up to which a box is not halved
 
@@ -78,7 +80,7 @@ float sample(const Numbers& of, const Box& box, const std::array<float, 3>& at) 
     std::array<float, 3> part{};
     for (std::size_t n = 0; n < 3; ++n) {
         const float last = static_cast<float>(box.size[n] - 1),
-                    place = std::min(std::max(at[n], 0.0f), last);
+                    place = at[n] > 0 ? std::min(at[n], last) : 0;  // also for NaN
         const auto first = static_cast<int>(place);
         part[n] = place - static_cast<float>(first);
         low[n] = first * box.stride[n];
@@ -150,12 +152,13 @@ public:
                 auto at = static_cast<std::size_t>(x * box_.stride[0]);
                 for (int y = 0; y < box_.size[1]; ++y)
                     for (int z = 0; z < box_.size[2]; ++z, ++at) {
-                        const auto here = values.wsSample(
-                            transform.indexToWorld(box_.bounds.min().offsetBy(x, y, z)));
+                        const auto here = values.isSample(near_place(velocity->worldToIndex(
+                            transform.indexToWorld(box_.bounds.min().offsetBy(x, y, z)))));
                         for (int n = 0; n < 3; ++n)
                             if (const auto moved = static_cast<float>(0.5 * voxels * here[n]);
                                 std::isfinite(moved))
-                                displacement_[static_cast<std::size_t>(n)][at] += moved;
+                                displacement_[static_cast<std::size_t>(n)][at] +=
+                                    std::clamp(moved, -furthest, furthest);
                     }
             });
         }

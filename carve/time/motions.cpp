@@ -36,7 +36,8 @@ Ref<VectorGrid> Motions::from(std::size_t place) const {
 Ref<VectorGrid> Motions::find(std::size_t place) const {
     const auto shown = moving_in(sequence_.at(place), sequence_.at(place + 1));
     if (!shown) return nullptr;
-    const int frames = sequence_.numbers()[place + 1] - sequence_.numbers()[place];
+    const auto& numbers = sequence_.numbers();
+    const double frames = static_cast<double>(numbers[place + 1]) - numbers[place];
     return motion_between(shown->first, shown->second, scale_ * frames, budget_);
 }
 

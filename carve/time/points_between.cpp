@@ -1,6 +1,7 @@
 #include "carve/time/points_between.h"
 
 #include "carve/base/even_share.h"
+#include "carve/field/extent.h"
 #include "carve/points/point_grid.h"
 #include "carve/points/point_vectors.h"
 #include "carve/time/scale_search.h"
@@ -105,7 +106,7 @@ private:
         for (std::size_t n = 0; n < at_.size(); ++n) cells_[cell_of(at_[n])].push_back(n);
     }
     openvdb::Coord cell_of(const Vec3d& place) const {
-        return openvdb::Coord::floor(place / cell_);
+        return openvdb::Coord::floor(near_place(place / cell_));
     }
 
     const std::vector<Vec3d>& at_;

@@ -2,6 +2,7 @@
 
 #include "carve/base/values.h"
 #include "carve/field/collocate.h"
+#include "carve/field/extent.h"
 #include "carve/points/point_vectors.h"
 #include "carve/stream/openvdb_types.h"
 #include "carve/time/points_between.h"
@@ -73,7 +74,9 @@ void Thumbnails::add_points(const Volume& volume, Frame& to) {
         const auto positions = points.positions();
         const auto velocities = vectors_of(points, velocity_name(points));
         for (std::size_t n = 0; n < positions.size(); ++n) {
-            const auto cube = cube_of(voxels_->worldToIndexCellCentered(positions[n]));
+            const auto voxel = voxel_at(voxels_->worldToIndex(positions[n]));
+            if (!voxel) continue;
+            const auto cube = cube_of(*voxel);
             counts.setValueOn(cube, counts.getValue(cube) + 1);
             if (!velocities.empty() && openvdb::math::isFinite(velocities[n]))
                 momenta.setValueOn(cube, momenta.getValue(cube) + openvdb::Vec3s(velocities[n]));

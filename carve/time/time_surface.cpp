@@ -1,10 +1,14 @@
 #include "carve/time/time_surface.h"
 
+#include "carve/field/extent.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <numeric>
 
@@ -14,7 +18,7 @@ using openvdb::Coord;
 
 namespace {
 
-constexpr std::size_t most_cubes = std::size_t{1} << 24;
+constexpr std::uint64_t most_cubes = std::uint64_t{1} << 24;
 
 std::size_t count_of(const Coord& size) {
     return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) *
@@ -30,9 +34,11 @@ TimeSurface::TimeSurface(const FloatGrid& like, std::size_t frames, double width
         return Coord(voxel.x() >> shift_, voxel.y() >> shift_, voxel.z() >> shift_);
     };
     const auto measure = [&] {
-        low_ = cubes(box.min());
-        size_ = cubes(box.max()) - low_ + Coord(1);
-        return count_of(size_) <= most_cubes;
+        const openvdb::CoordBBox all(cubes(box.min()), cubes(box.max()));
+        if (voxels_in(all) > most_cubes) return false;
+        low_ = all.min();
+        size_ = all.dim();
+        return true;
     };
     while (!measure()) ++shift_;
     for (auto* const values : {&when_, &weight_, &all_}) values->assign(count_of(size_), 0);

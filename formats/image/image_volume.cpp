@@ -445,8 +445,9 @@ Volume volume_of(Image read) {
 }
 
 std::uint64_t bytes_as_volume(const Image& header) {
-    return header.channels.size() * static_cast<std::uint64_t>(header.data.width) *
-           static_cast<std::uint64_t>(header.data.height) * sizeof(float);
+    const auto all = united(header.data, header.display);
+    return header.channels.size() * static_cast<std::uint64_t>(all.width) *
+           static_cast<std::uint64_t>(all.height) * sizeof(float);
 }
 
 Image image_of(const Volume& volume, const ImageRequest& request,

@@ -307,7 +307,8 @@ std::string stl_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
             const std::array corners{points[part[0]], points[part[1]], points[part[2]]};
             out.put_triangle(corners,
                              normals ? Vec3d(normals->entry(n).data()) : normal_of(corners),
-                             static_cast<std::uint16_t>(extra ? extra->entry(n)[0] : 0));
+                             static_cast<std::uint16_t>(
+                                 std::clamp<double>(extra ? extra->entry(n)[0] : 0, 0, 65535)));
         }
     }
     out.begin_solids(mesh.faces());

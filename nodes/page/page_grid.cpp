@@ -193,9 +193,11 @@ std::vector<std::uint8_t> page_mask(const openvdb::GridBase& mask, const PageGri
 std::vector<std::uint8_t> page_bytes(std::span<const float> values, float from, float to) {
     std::vector<std::uint8_t> out;
     out.reserve(values.size());
-    for (const auto value : values)
-        out.push_back(static_cast<std::uint8_t>(
-            std::lround(255 * std::clamp((value - from) / (to - from), 0.0f, 1.0f))));
+    for (const auto value : values) {
+        const float share = (value - from) / (to - from);
+        out.push_back(
+            static_cast<std::uint8_t>(std::lround(255 * (share > 0 ? std::min(share, 1.0f) : 0))));
+    }
     return out;
 }
 

@@ -203,8 +203,16 @@ PageGrid page_of(const PageRequest& request, const std::vector<PageFrame>& frame
     require_near(request.grid, box);
     const bool flat = box.min().x() == box.max().x() || box.min().y() == box.max().y() ||
                       box.min().z() == box.max().z();
-    return page_grid(frames.front().before->transformPtr(), box,
-                     flat ? request.flat_voxels : request.voxels);
+    auto out = page_grid(frames.front().before->transformPtr(), box,
+                         flat ? request.flat_voxels : request.voxels);
+    // Far more than a page may weigh.
+    constexpr std::size_t most_voxels = std::size_t{1} << 31;
+    if (out.count() > most_voxels / frames.size())
+        throw Failure(
+            fmt::format("the page would hold {} voxels in each of {} frames; lower "
+                        "`voxels` or `frames`",
+                        out.count(), frames.size()));
+    return out;
 }
 
 /// The grids and energies of all frames in page voxels, with one scale for each.

@@ -1,5 +1,6 @@
 #include "nodes/preview/sheet_page.h"
 
+#include "carve/field/extent.h"
 #include "nodes/preview/panel_layout.h"
 #include "nodes/preview/sheet_style.h"
 
@@ -272,8 +273,9 @@ Area around(const std::vector<PictureLine>& lines) {
     Area out;
     for (const auto& line : lines)
         for (const auto& end : {line.from, line.to}) {
-            const std::array<int, 2> voxel{static_cast<int>(std::floor(end[0])),
-                                           static_cast<int>(std::floor(end[1]))};
+            const auto near = near_place({end[0], end[1], 0});
+            const std::array<int, 2> voxel{static_cast<int>(std::floor(near[0])),
+                                           static_cast<int>(std::floor(near[1]))};
             out.include({voxel, voxel});
         }
     return out;

@@ -79,8 +79,10 @@ Prerequisites wait_for_prerequisites(const Pipeline& pipeline, Preparation& prep
                                      const RunRequest& request,
                                      const std::function<bool()>& cancelled) {
     using Clock = std::chrono::steady_clock;
-    const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                        std::chrono::duration<double>(request.wait.value_or(0)));
+    constexpr double longest = 1e9;  // seconds; more would overflow the clock
+    const auto end =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
+                           std::min(request.wait.value_or(0), longest)));
     const auto uncached = prepared.uncached_schedule();
     while (true) {
         Prerequisites out{prepared.schedule(), {}, {}};

@@ -17,7 +17,7 @@ namespace {
 constexpr auto clear_line = "\r\x1b[K";
 
 std::string clock_text(double seconds) {
-    const auto whole = static_cast<long>(std::ceil(seconds));
+    const auto whole = static_cast<long>(std::ceil(std::min(seconds, 1e9)));
     if (whole >= 3600)
         return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
     return fmt::format("{:02}:{:02}", whole / 60, whole % 60);

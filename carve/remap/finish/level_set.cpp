@@ -130,10 +130,14 @@ openvdb::GridBase::ConstPtr renormalize(const openvdb::GridBase::ConstPtr& base,
 
 bool can_renormalize(const openvdb::GridBase& grid) {
     if (grid.getGridClass() != openvdb::GRID_LEVEL_SET || !grid.hasUniformVoxels()) return false;
+    constexpr double widest_band = 100;  // voxels on each side
+    const auto has_band = [&](double background) {
+        return background > 0 && background <= widest_band * grid.voxelSize()[0];
+    };
     if (grid.isType<openvdb::FloatGrid>())
-        return static_cast<const openvdb::FloatGrid&>(grid).background() > 0;
+        return has_band(static_cast<const openvdb::FloatGrid&>(grid).background());
     return grid.isType<openvdb::DoubleGrid>() &&
-           static_cast<const openvdb::DoubleGrid&>(grid).background() > 0;
+           has_band(static_cast<const openvdb::DoubleGrid&>(grid).background());
 }
 
 openvdb::GridBase::ConstPtr renormalized(const openvdb::GridBase::ConstPtr& grid,

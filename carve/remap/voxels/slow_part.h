@@ -1,8 +1,11 @@
 #pragma once
 
+#include "carve/base/failure.h"
+#include "carve/field/extent.h"
 #include "carve/remap/voxels/blend.h"
 #include "carve/remap/voxels/trilinear.h"
 
+#include <fmt/format.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tree/LeafManager.h>
 #include <tbb/parallel_for.h>
@@ -11,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace fluidcarve {
@@ -27,9 +31,18 @@ public:
         for (std::size_t c = 0; c < components<GridT>; ++c)
             background_[c] = component(grid.background(), c);
         if (box.empty()) return;
+        require_near(grid.getName(), box);
         // A leaf holds whole cells, so that no two leaves write the same one. Smoothing adds to
         // their width.
-        while ((1 << shift_) * 1.5 * deviation_of_cell < sigma && shift_ < 3) ++shift_;
+        const auto cells = [&] { return voxels_in(box) >> 3 * shift_; };
+        while (shift_ < 3 &&
+               ((1 << shift_) * 1.5 * deviation_of_cell < sigma || cells() > most_cells))
+            ++shift_;
+        if (cells() > most_cells)
+            throw Failure(fmt::format("grid '{}' is too wide for `join: fade`, {}: crop the grid, "
+                                      "or state `join: squeeze`",
+                                      grid.getName(), span_text(box)),
+                          Failure::Kind::input);
         scale_ = 1.0 / (1 << shift_);
         low_ = box.min() - openvdb::Coord(2 << shift_);
         for (int axis = 0; axis < 3; ++axis) {
@@ -40,8 +53,8 @@ public:
         values_.resize(count_ * static_cast<std::size_t>(size_.x()) *
                        static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z()));
         add_values(grid);
-        const auto passes = std::max(1, static_cast<int>(std::lround(std::pow(
-                                            sigma / (deviation_of_cell * (1 << shift_)), 2))));
+        const auto passes = std::lround(
+            std::clamp(std::pow(sigma / (deviation_of_cell * (1 << shift_)), 2), 1.0, most_passes));
         for (int pass = 0; pass < passes; ++pass)
             for (int axis = 0; axis < 3; ++axis) smooth(axis);
     }
@@ -74,6 +87,8 @@ private:
     /// Standard deviation of cells of one voxel that are averaged by a tent once and interpolated,
     /// voxels.
     static constexpr double deviation_of_cell = 0.87;
+    static constexpr std::uint64_t most_cells = std::uint64_t{1} << 28;
+    static constexpr double most_passes = 256;
 
     template <class Value>
     static float component(const Value& value, std::size_t c) {

@@ -216,6 +216,8 @@ private:
     ColumnPlaces places_;
 };
 
+constexpr double most_samples = 1000;  // of the space nearest to a vertex
+
 /// Averages over the space nearest to each vertex.
 class OverCells {
 public:
@@ -232,7 +234,8 @@ public:
             0.5 * (lattice_.position(at + Vec3d(0, 0, 1)) - lattice_.position(at - Vec3d(0, 0, 1)));
         const double straight = std::abs(across.dot(plane.u.cross(plane.v))) / lattice_.spacing,
                      volume = straight * share_of_turn(at);
-        const int samples = std::max(1, static_cast<int>(std::ceil(volume - whole)));
+        const int samples =
+            static_cast<int>(std::clamp(std::ceil(volume - whole), 1.0, most_samples));
         double sum = 0;
         for (int n = 0; n < samples; ++n) {
             const auto off = (n + 0.5) / samples - 0.5;

@@ -1,6 +1,7 @@
 #include "carve/solver/costs/width.h"
 
 #include "carve/base/median.h"
+#include "carve/field/extent.h"
 #include "carve/field/shown_part.h"
 
 #include <openvdb/tools/Interpolation.h>
@@ -24,8 +25,8 @@ int width_in(const FloatGrid& grid, const Lattice& lattice, Axis axis) {
             values(accessor, grid.transform());
         const auto shows = [&](int entry, int lateral) {
             const auto vertex = vertex_of(axis, entry, lateral, slice);
-            return shown(
-                values.wsSample(lattice.position(openvdb::Vec3d(vertex[0], vertex[1], vertex[2]))));
+            return shown(values.isSample(near_place(grid.worldToIndex(
+                lattice.position(openvdb::Vec3d(vertex[0], vertex[1], vertex[2]))))));
         };
         for (int entry = 0; entry < entries; ++entry) {
             bool any = false;
