@@ -60,9 +60,9 @@ struct ImageRead {
         for (const auto& [output, channel] : params.channels)
             require_channel(path, header, channel);
         if (const auto bytes = bytes_as_volume(header); bytes > context.memory_budget())
-            throw Failure(fmt::format("{} has {} x {} pixels of {} channels, which take {:.1f} GiB "
-                                      "of memory; --memory allows {:.1f}",
-                                      path, header.data.width, header.data.height,
+            throw Failure(fmt::format("{} has {} pixels of {} channels, which take {:.1f} GiB of "
+                                      "memory; --memory allows {:.1f}",
+                                      path, fmt::join(upright_size(header), " x "),
                                       header.channels.size(), static_cast<double>(bytes) / 0x1p30,
                                       static_cast<double>(context.memory_budget()) / 0x1p30),
                           Failure::Kind::input);
