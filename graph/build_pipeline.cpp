@@ -155,9 +155,9 @@ std::optional<Link> PipelineBuilder::resolve(const Reference& reference,
 bool PipelineBuilder::order() {
     enum class State { fresh, open, done };
     std::vector<State> state(nodes_.size(), State::fresh);
-    // Depth first, by a list, since pipelines may be deeper than the program's stack.
-    std::vector<std::pair<std::size_t, std::vector<std::size_t>>>
-        path;  // with nodes still to visit
+    // The open nodes, each with the nodes that it reads and that are still to be visited. A list,
+    // since pipelines may be deeper than the program's stack.
+    std::vector<std::pair<std::size_t, std::vector<std::size_t>>> path;
     std::vector<std::size_t> sorted;
     bool acyclic = true;
     const auto open = [&](std::size_t n) {

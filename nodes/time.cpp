@@ -1,6 +1,7 @@
 #include "nodes/time.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/frame_set.h"
 #include "carve/stream/mesh_stream.h"
 #include "carve/stream/points_stream.h"
 #include "carve/time/between.h"

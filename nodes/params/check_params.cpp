@@ -21,7 +21,8 @@ void check_corners(const Vec3& min, const Vec3& max, NodeCheck& check) {
 }
 
 void check_direction(const char* field, const Vec3& direction, NodeCheck& check) {
-    if (direction == Vec3{}) check.fault(field, fmt::format("'{}' has no direction", field));
+    if (openvdb::Vec3d(direction.data()).length() == 0)
+        check.fault(field, fmt::format("'{}' has no direction", field));
 }
 
 void check_anchor(const Anchor& anchor, NodeCheck& check) {

@@ -29,7 +29,8 @@ Colour colour_of(const Sum& sum, double gain) {
 std::optional<PictureScene> picture_in(const Volume& volume, const FloatGrid::ConstPtr& shown) {
     const auto depth = meta(*shown, depth_key, std::string());
     if (depth.empty()) return std::nullopt;
-    PictureScene out{{shown, shown, shown}, depth == "half" || depth == "float"};
+    PictureScene out{{shown, shown, shown},
+                     depth == "half" || depth == "float" || depth == "double"};
     const auto names = colours_of(volume.given_names());
     for (std::size_t n = 0; n < names.size(); ++n) {
         out.channels[n] = openvdb::gridConstPtrCast<FloatGrid>(volume.find(names[n]));

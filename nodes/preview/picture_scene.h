@@ -1,10 +1,18 @@
 #pragma once
 
-#include "nodes/preview/render.h"
+#include "carve/volume/volume.h"
+#include "nodes/preview/rendered.h"
 
+#include <array>
 #include <optional>
 
 namespace fluidcarve {
+
+/// The channels of a picture.
+struct PictureScene {
+    std::array<FloatGrid::ConstPtr, 3> channels;  ///< red, green, blue; not null
+    bool linear = false;  ///< whether values are light; else they are sRGB, 0 to 1
+};
 
 /// The picture that a volume holds: the colours of R, G and B (colours_of), else the shown grid as
 /// grey.

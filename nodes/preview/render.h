@@ -1,20 +1,14 @@
 #pragma once
 
-#include "nodes/preview/canvas.h"
+#include "nodes/preview/picture_scene.h"
 #include "nodes/preview/projection.h"
+#include "nodes/preview/rendered.h"
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace fluidcarve {
-
-/// The channels of a picture.
-struct PictureScene {
-    std::array<FloatGrid::ConstPtr, 3> channels;  ///< red, green, blue; not null
-    bool linear = false;  ///< whether values are light; else they are sRGB, 0 to 1
-};
 
 /// The grids of a volume that are rendered. Any may be null; all have the same transform.
 struct Scene {
@@ -54,18 +48,6 @@ struct Exposure {
     /// Raises both to the highest active values of a scene. Values that are not finite are ignored.
     void meter(const Scene& scene);
 };
-
-/// A rendered picture of an area. A voxel is a whole number of pixels, or a pixel a whole number of
-/// voxels.
-struct Render {
-    static constexpr int most_pixels = 400;  ///< on the longer side
-    Area area;                               ///< in voxels
-    Picture picture;                         ///< empty: nothing is rendered
-    bool empty() const { return picture.pixels.empty(); }
-};
-
-/// Background colour of a render.
-constexpr Colour render_background{74, 81, 94};
 
 /// Renders smoke, lit from the front at the upper left, with shadows, and fire that glows through
 /// it. Water is lit from the same side at a low angle, without shadows, so that waves show. Scenes

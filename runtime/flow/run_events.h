@@ -50,7 +50,8 @@ public:
                     std::uint64_t bytes);
     /// A gathering node has consumed the frame at a place.
     void gathered(std::size_t node, std::size_t place) { report_.gathered(node, place); }
-    /// The call for one frame ended, and its result is kept. @param good  whether it came to its end
+    /// The call for one frame ended, perhaps with its result kept.
+    /// @param good  whether it came to its end
     void call_ended(Work work, std::size_t node, WorkTimes::Span& span, int frame, bool good);
     /// A cached result was loaded.
     void loaded(std::size_t node, WorkTimes::Span& span);
@@ -67,7 +68,7 @@ public:
     void once_body_ended(std::size_t node, double seconds, std::uint64_t bytes, bool good) {
         report_.ended(node, seconds, bytes, good);
     }
-    /// The same of its call.
+    /// The call of such a body ended, perhaps with its result kept.
     /// @param good   whether it came to its end
     /// @param share  of the work that it did, 0 to 1
     /// @param at     its setting; threads and cores are added here

@@ -8,6 +8,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 #include <algorithm>
+#include <cstring>
 #include <latch>
 #include <new>
 #include <string_view>

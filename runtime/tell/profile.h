@@ -24,7 +24,7 @@ public:
     class Span {
     public:
         /// @param profile   null: the event is not recorded
-        /// @param category  run, consume, digest, finish: a body of the node; load, keep: its cached
+        /// @param category  run, consume, digest, finish: a body of the node; load, keep: its kept
         ///   results. Must outlive the profile
         /// @param frame     frame number, if the event belongs to one frame
         Span(RunProfile* profile, const char* category, std::size_t node, std::optional<int> frame)

@@ -373,7 +373,7 @@ TEST_CASE(
     CHECK_THAT(fluidcarve_program("carve tests/data/river/riverbank.obj -20% -o " +
                                   (scratch / "out.obj") + " --print-pipeline")
                    .out,
-               Catch::Contains("seams: {type: seam.pyramid") && Catch::Contains("spread: 8}") &&
+               Catch::Contains("seams: {type: seam.pyramid") && Catch::Contains("spread: 8,") &&
                    Catch::Contains("type: remap.mesh") && Catch::Contains("soft: 12}"));
     REQUIRE(fluidcarve_program("carve " + file + " -20% -o " + (scratch / "out.ply")).code == 0);
     REQUIRE(fluidcarve_program("carve tests/data/plume/plume.0051.vdb -4 -o " +

@@ -170,9 +170,8 @@ void DraftText::mesh() {
     node("energy", "energy.curvature", {{"surface", "surface"}});
     masks("surface");
     box("surface");
-    nodes_ += "\n";
-    if (!warps())
-        comment("Seams far apart, carved softly: sharp ones would be creases in the surface.");
+    if (warps()) nodes_ += "\n";
+    else comment("Seams far apart, carved softly: sharp ones would be creases in the surface.");
     solver({{"spread", "8"}});
     const Fields soft{{"soft", "12"}};
     carve("carved", "remap.mesh", "sim", soft);

@@ -4,7 +4,7 @@
 #include "carve/solver/search/coarse.h"
 #include "carve/solver/search/deleted_entries.h"
 #include "carve/solver/search/protection.h"
-#include "carve/solver/search/slabs.h"
+#include "carve/solver/search/slab_search.h"
 
 #include <fmt/format.h>
 
@@ -288,7 +288,7 @@ private:
     const std::optional<FullSize>& full_;
     const int width_;
     int thickness_;
-    std::optional<Slabs> slabs_;             ///< if seams are thick
+    std::optional<SlabSearch> slabs_;        ///< if seams are thick
     std::optional<EnergyVolume> sum_;        ///< of all frames, for static thin seams
     std::optional<DeletedEntries> deleted_;  ///< of thin seams that are doubled
     int searches_ = 0;                       ///< seams or slabs that are known

@@ -4,7 +4,7 @@
 #include "carve/seam/window.h"
 #include "carve/solver/costs/slab_prices.h"
 #include "carve/solver/costs/volume.h"
-#include "carve/solver/search/find_seams.h"
+#include "carve/solver/search/find_seam.h"
 
 #include <cstdint>
 #include <optional>
@@ -15,7 +15,7 @@ namespace fluidcarve {
 
 /// Slabs, seams of several vertices (METHOD 8 "Thick seams"): finds each in prices of its own, and
 /// keeps those that were taken. Slabs that are removed leave the volume, doubled ones stay in it.
-class Slabs {
+class SlabSearch {
 public:
     /// @param volume   is measured; must outlive the slabs
     /// @param thick    with the thickness of most slabs
@@ -23,8 +23,8 @@ public:
     /// @param static_  whether a slab is the same in all frames, found in the sum of their prices
     /// @param limits   must outlive the slabs
     /// @throws Failure as SlabPrices
-    Slabs(EnergyVolume& volume, const Thick& thick, bool doubled, bool static_,
-          const Limits& limits)
+    SlabSearch(EnergyVolume& volume, const Thick& thick, bool doubled, bool static_,
+               const Limits& limits)
         : volume_(volume),
           thick_(thick),
           doubled_(doubled),

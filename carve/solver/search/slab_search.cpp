@@ -1,10 +1,10 @@
-#include "carve/solver/search/slabs.h"
+#include "carve/solver/search/slab_search.h"
 
 #include <algorithm>
 
 namespace fluidcarve {
 
-void Slabs::price(int thickness) {
+void SlabSearch::price(int thickness) {
     prices_.reset();
     prices_ =
         measured_.of(volume_, thickness,
@@ -12,8 +12,8 @@ void Slabs::price(int thickness) {
     if (static_) sum_ = prices_->sum();
 }
 
-Seams::Seam Slabs::find(const FindSeam& solver, int thickness, Window left, int number,
-                        const Tick& tick) {
+Seams::Seam SlabSearch::find(const FindSeam& solver, int thickness, Window left, int number,
+                             const Tick& tick) {
     // Solvers that continue from the last seam start over: prices change everywhere.
     const auto once = [&] { return solver(prices(), left, 2 * number, tick); };
     auto out = once();
@@ -30,12 +30,12 @@ Seams::Seam Slabs::find(const FindSeam& solver, int thickness, Window left, int 
     return out;
 }
 
-SeamEntries Slabs::in_all_frames(std::span<const std::uint16_t> at) const {
+SeamEntries SlabSearch::in_all_frames(std::span<const std::uint16_t> at) const {
     return static_ ? SeamEntries::repeated(at, volume_.frames())
                    : SeamEntries(std::vector<std::uint16_t>(at.begin(), at.end()));
 }
 
-void Slabs::take(std::span<const std::uint16_t> at, int thickness) {
+void SlabSearch::take(std::span<const std::uint16_t> at, int thickness) {
     const auto all = in_all_frames(at);
     if (doubled_) return taken_.push_back({all, thickness});
     for (int n = 0; n < thickness; ++n) volume_.remove(all);
