@@ -3,6 +3,7 @@
 #include "carve/volume/triplet.h"
 
 #include <algorithm>
+#include <span>
 
 namespace fluidcarve {
 namespace {
