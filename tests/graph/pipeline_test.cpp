@@ -58,10 +58,10 @@ TEST_CASE("check warns of a node whose outputs no node takes, if another one wri
     const Scratch scratch;
     CHECK(warnings_of(check(scratch, good).pipeline).empty());
     const auto idle = good + "  idle: {type: toy.add, numbers: count}\n";
-    CHECK(to_text(warnings_of(check(scratch, idle).pipeline)) ==
-          scratch / "p.yaml" +
-              ":11:3: warning: 'idle' (toy.add) runs, although no node takes its "
-              "outputs: connect it, or leave it out\n");
+    CHECK_THAT(
+        to_text(warnings_of(check(scratch, idle).pipeline)),
+        Catch::Contains("p.yaml:11:3: warning: 'idle' (toy.add) runs, although no node takes "
+                        "its outputs: connect it, or leave it out\n"));
     const auto tried = good.substr(0, good.find("  print:"));
     CHECK(warnings_of(check(scratch, tried).pipeline).empty());
 }
