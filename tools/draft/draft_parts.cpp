@@ -262,19 +262,23 @@ DraftText::Fields DraftText::with(Fields fields, const Fields& wanted) {
     return fields;
 }
 
-void DraftText::others(const std::string& before, const std::string& after, const std::string& grid,
-                       bool render) {
+void DraftText::others(const std::string& before, const std::string& after,
+                       const std::string& grid) {
     if (!request_.seams.empty())
         node("kept", "seams.write", {{"seams", "seams"}, {"path", "\"${seams}\""}});
     if (axis_ == 't') return paced_sheet(after.c_str(), yaml_scalar(grid));
     if (request_.sheet.empty()) return;
     comment("Is the carve where it should be? Look here first.");
-    const auto* const view = contents_.matter == Matter::image ? "z"
-                             : contents_.y_up                  ? (axis_ == 'z' ? "x" : "z")
-                                                               : (axis_ == 'y' ? "x" : "y");
+    const bool liquid =
+        contents_.matter == Matter::level_set || contents_.matter == Matter::particles;
+    const char up = contents_.y_up ? 'y' : 'z', forward = contents_.y_up ? 'z' : 'y';
+    // A liquid is seen from above, anything else from the front, but nothing along the carve.
+    const auto view = contents_.matter == Matter::image ? "z"
+                      : liquid && axis_ != up           ? std::string(1, up)
+                                              : std::string(1, axis_ == forward ? 'x' : forward);
     Fields fields{{"before", before},   {"after", after},   {"grid", yaml_scalar(grid)},
                   {"energy", "energy"}, {"lattice", "box"}, {"seams", "seams"}};
-    fields.emplace_back("show", render ? "render" : "slice");
+    fields.emplace_back("show", contents_.vectors ? "slice" : "render");
     fields.emplace_back("axis", view);
     fields.emplace_back("path", "\"${sheet}\"");
     node("sheet", "preview.sheet", fields);

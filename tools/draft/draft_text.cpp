@@ -73,7 +73,7 @@ void DraftText::fog() {
     solver({{"field", both || remapped ? "seen" : field}});
     nodes_ += "\n";
     carve_volume();
-    others("sim", "carved", fire ? contents_.flame : contents_.main, !contents_.vectors);
+    others("sim", "carved", fire ? contents_.flame : contents_.main);
 }
 
 void DraftText::level_set() {
@@ -93,7 +93,7 @@ void DraftText::level_set() {
     nodes_ += "\n";
     solver({});
     carve_volume();
-    others("sim", "carved", contents_.main, false);
+    others("sim", "carved", contents_.main);
 }
 
 void DraftText::particles() {
@@ -134,7 +134,7 @@ void DraftText::particles() {
     if (beside) out.insert(out.begin() + 1, {"beside", "carved"});
     node("out", "points.write", out);
     if (!request_.sheet.empty()) carve("level", "remap.grids", "surface", hard);
-    others("surface", "level", "surface", false);
+    others("surface", "level", "surface");
 }
 
 void DraftText::image() {
@@ -157,7 +157,7 @@ void DraftText::image() {
         {{"field", "edges.intensity"}, {"field_weight", "5"}, {"spread", "1"}, {"empty", "0.2"}});
     carve("carved", "remap.grids", "sim", {{"soft", "1"}});
     node("out", "image.write", {{"source", "carved"}, {"path", "\"${out}\""}});
-    others("sim", "carved", contents_.main, true);
+    others("sim", "carved", contents_.main);
 }
 
 void DraftText::mesh() {
@@ -177,7 +177,7 @@ void DraftText::mesh() {
     carve("carved", "remap.mesh", "sim", soft);
     node("out", "mesh.write", {{"source", "carved"}, {"path", "\"${out}\""}});
     if (!request_.sheet.empty()) carve("level", "remap.grids", "surface", soft);
-    others("surface", "level", "surface", false);
+    others("surface", "level", "surface");
 }
 
 void DraftText::paced_volume() {

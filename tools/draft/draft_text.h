@@ -91,8 +91,7 @@ private:
     static Fields with(Fields fields, const Fields& wanted);
 
     /// The writers of all but the carved files.
-    void others(const std::string& before, const std::string& after, const std::string& grid,
-                bool render);
+    void others(const std::string& before, const std::string& after, const std::string& grid);
 
     /// What is protected: a range of a grid's values, or what is in a file.
     struct Protected {
