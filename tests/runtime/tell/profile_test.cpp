@@ -93,7 +93,7 @@ TEST_CASE("a run's profile has each body once per frame, and what was kept and l
     std::map<std::string, int> first;
     for (const std::string frame : {" 1", " 2", " 3", " 4"})
         for (const auto* const what : {"run count", "run square", "keep square", "digest best",
-                                       "keep best", "take best", "take total"})
+                                       "consume best", "consume total", "keep best"})
             first[what + frame] = 1;
     for (const auto* const what :
          {"finish best", "finish total", "run out", "keep out", "keep total"})
