@@ -32,7 +32,8 @@ auto with_number_type(NumberType type, Visit&& visit) {
 /// A number as a double; exact for all types.
 /// @param swap  whether the bytes are in the order opposite to this machine's
 double number_in(const char* bytes, NumberType type, bool swap);
-/// Appends the bytes of a number. An integer type rounds towards 0 and clamps to its range.
+/// Appends the bytes of a number. An integer type rounds towards 0 and clamps to its range;
+/// what is no number becomes 0.
 void put_number(std::string& out, double number, NumberType type, bool swap);
 
 /// Encoding of numbers in a file: text, or binary with little- or big-endian bytes.

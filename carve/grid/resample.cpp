@@ -24,6 +24,7 @@ namespace {
 void require_fits(const openvdb::GridBase& grid, const openvdb::math::Transform& transform,
                   double value_bytes, std::uint64_t budget) {
     const auto box = grid.evalActiveVoxelBoundingBox();
+    if (box.empty()) return;
     require_near(grid.getName(), box);
     const openvdb::BBoxd shown(box.min().asVec3d(), box.max().asVec3d());
     voxels_around(grid.transform().indexToWorld(shown), transform,

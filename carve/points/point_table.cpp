@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace fluidcarve {
 
@@ -18,9 +19,11 @@ double PointTable::number(const Column& column, std::size_t row) {
 
 void PointTable::set(Column& column, std::size_t row, double number) {
     with_number_type(column.type, [&](auto value) {
-        if constexpr (std::is_floating_point_v<decltype(value)>)
-            value = static_cast<decltype(value)>(number);
-        else value = static_cast<decltype(value)>(std::lround(number));
+        using T = decltype(value);
+        if constexpr (std::is_floating_point_v<T>) value = static_cast<T>(number);
+        else if (!std::isnan(number))
+            value = static_cast<T>(std::lround(std::clamp<double>(
+                number, std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max())));
         std::memcpy(column.values.data() + row * sizeof value, &value, sizeof value);
     });
 }

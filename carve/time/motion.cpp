@@ -32,7 +32,8 @@ constexpr float most_step = 1.5f;  ///< voxels by which a round corrects at most
 /// Resistance against correction, as shares of the structure tensor's trace: of the largest one,
 /// and of the place's own.
 constexpr float at_least = 1e-4f, own = 0.02f;
-/// Voxels that a velocity moves at most: a wild one would widen what is moved without end.
+/// Voxels that the velocity of one of two frames moves at most, along each axis: a wild one would
+/// widen what is moved without end.
 constexpr float furthest = 64;
 constexpr int margin = 4;     ///< voxels around the visible content
 constexpr int coarsest = 24;  ///< voxels along the longest side up to which a box is not halved
@@ -374,8 +375,9 @@ double typical_speed(const MovingFrame& frame) {
     double sum = 0, count = 0;
     for (auto leaf = frame.shown->tree().cbeginLeaf(); leaf; ++leaf)
         for (auto value = leaf->cbeginValueOn(); value; ++value) {
-            const double square =
-                Vec3d(values.wsSample(frame.shown->indexToWorld(value.getCoord()))).lengthSqr();
+            const auto at =
+                frame.velocity->worldToIndex(frame.shown->indexToWorld(value.getCoord()));
+            const double square = Vec3d(values.isSample(near_place(at))).lengthSqr();
             if (!std::isfinite(square)) continue;
             sum += square;
             ++count;

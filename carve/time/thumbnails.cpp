@@ -52,7 +52,8 @@ void Thumbnails::add(const Volume& volume, const Ref<VectorGrid>& given) {
             const auto cube = cube_of(value.getCoord());
             values.setValueOn(cube, values.getValue(cube) + *value);
             if (!velocity) continue;
-            const auto at = velocity->worldToIndex(shown->indexToWorld(value.getCoord()));
+            const auto at =
+                near_place(velocity->worldToIndex(shown->indexToWorld(value.getCoord())));
             const auto moved =
                 openvdb::Vec3s(*value * openvdb::tools::PointSampler::sample(*velocities, at));
             if (std::isfinite(moved.lengthSqr()))

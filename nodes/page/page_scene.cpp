@@ -206,7 +206,7 @@ PageGrid page_of(const PageRequest& request, const std::vector<PageFrame>& frame
     auto out = page_grid(frames.front().before->transformPtr(), box,
                          flat ? request.flat_voxels : request.voxels);
     // Far more than a page may weigh.
-    constexpr std::size_t most_voxels = std::size_t{1} << 31;
+    constexpr std::size_t most_voxels = std::size_t{1} << 28;
     if (out.count() > most_voxels / frames.size())
         throw Failure(
             fmt::format("the page would hold {} voxels in each of {} frames; lower "

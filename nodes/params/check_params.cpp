@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <tuple>
 #include <utility>
 
@@ -21,7 +22,8 @@ void check_corners(const Vec3& min, const Vec3& max, NodeCheck& check) {
 }
 
 void check_direction(const char* field, const Vec3& direction, NodeCheck& check) {
-    if (openvdb::Vec3d(direction.data()).length() == 0)
+    if (const double length = openvdb::Vec3d(direction.data()).length();
+        !(length > 0 && std::isfinite(length)))
         check.fault(field, fmt::format("'{}' has no direction", field));
 }
 

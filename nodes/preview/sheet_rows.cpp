@@ -121,8 +121,7 @@ void SheetRows::require_room(const Shown& frame) const {
     for (const auto* scene : {&data.before_scene, &data.after_scene})
         for (const auto& grid : scene->grids()) {
             require(grid.get());
-            if (grid == scene->smoke || grid == scene->fire)
-                require_dense_fits(*grid, sizeof(float), request_.budget);
+            if (grid != scene->water) require_dense_fits(*grid, sizeof(float), request_.budget);
         }
 }
 

@@ -53,9 +53,8 @@ Projection slice_in(const FloatGrid& grid, const openvdb::math::Transform& space
     const auto values = grid.getConstAccessor();
     for (auto at = box.begin(); at; ++at) {
         float value = 0;
-        if (values.probeValue(grid.transform().worldToIndexCellCentered(space.indexToWorld(*at)),
-                              value))
-            out.see(*at, view, value);
+        const auto voxel = voxel_at(grid.worldToIndex(space.indexToWorld(*at)));
+        if (voxel && values.probeValue(*voxel, value)) out.see(*at, view, value);
     }
     return out;
 }

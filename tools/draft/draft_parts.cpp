@@ -111,11 +111,11 @@ void DraftText::paced_sheet(const char* shown, const std::string& grid) {
     if (request_.sheet.empty()) return;
     const bool from_above = contents_.matter == Matter::level_set ||
                             contents_.matter == Matter::particles ||
-                            contents_.matter == Matter::mesh;
+                            contents_.matter == Matter::mesh || contents_.matter == Matter::image;
     comment("Some of its frames in one picture.");
     Fields fields{{"before", shown}, {"grid", grid}};
     if (!contents_.vectors) fields.emplace_back("show", "render");
-    fields.emplace_back("axis", contents_.y_up == from_above ? "y" : "z");
+    fields.emplace_back("axis", contents_.y_up || from_above ? "z" : "y");
     fields.emplace_back("path", "\"${sheet}\"");
     node("sheet", "preview.sheet", fields);
 }
@@ -271,15 +271,16 @@ void DraftText::others(const std::string& before, const std::string& after,
     comment("Is the carve where it should be? Look here first.");
     const bool liquid =
         contents_.matter == Matter::level_set || contents_.matter == Matter::particles;
-    const char up = contents_.y_up ? 'y' : 'z', forward = contents_.y_up ? 'z' : 'y';
-    // A liquid is seen from above, anything else from the front, but nothing along the carve.
-    const auto view = contents_.matter == Matter::image ? "z"
-                      : liquid && axis_ != up           ? std::string(1, up)
-                                              : std::string(1, axis_ == forward ? 'x' : forward);
+    const char forward = contents_.y_up ? 'z' : 'y';
+    // A liquid is seen from above, where sheets look down (z), anything else from the front, but
+    // nothing along the carve.
+    const bool from_above =
+        contents_.matter == Matter::image || (liquid && !contents_.y_up && axis_ != 'z');
+    const char view = from_above ? 'z' : axis_ == forward ? 'x' : forward;
     Fields fields{{"before", before},   {"after", after},   {"grid", yaml_scalar(grid)},
                   {"energy", "energy"}, {"lattice", "box"}, {"seams", "seams"}};
     fields.emplace_back("show", contents_.vectors ? "slice" : "render");
-    fields.emplace_back("axis", view);
+    fields.emplace_back("axis", std::string(1, view));
     fields.emplace_back("path", "\"${sheet}\"");
     node("sheet", "preview.sheet", fields);
 }

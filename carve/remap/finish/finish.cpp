@@ -96,7 +96,7 @@ private:
         else if (finish_.renormalize)
             throw Failure(
                 fmt::format("level set '{}' can't be renormalized: its voxels are not cubes, "
-                            "or its background is not above 0",
+                            "or its background is not above 0, or above 100 voxels",
                             grid->getName()));
     }
 

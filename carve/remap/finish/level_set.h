@@ -8,7 +8,7 @@
 namespace fluidcarve {
 
 /// Whether a grid is a level set that can be renormalised: float or double values, cubic voxels, a
-/// background above 0.
+/// background above 0, of 100 voxels at most.
 bool can_renormalize(const openvdb::GridBase& grid);
 
 /// Makes a carved level set a distance again where the carve moved it (METHOD 5), by

@@ -34,24 +34,23 @@ public:
         require_near(grid.getName(), box);
         // A leaf holds whole cells, so that no two leaves write the same one. Smoothing adds to
         // their width.
-        const auto cells = [&] { return voxels_in(box) >> 3 * shift_; };
-        while (shift_ < 3 &&
-               ((1 << shift_) * 1.5 * deviation_of_cell < sigma || cells() > most_cells))
-            ++shift_;
-        if (cells() > most_cells)
+        while ((1 << shift_) * 1.5 * deviation_of_cell < sigma && shift_ < 3) ++shift_;
+        scale_ = 1.0 / (1 << shift_);
+        count_ = components<GridT>;
+        low_ = box.min() - openvdb::Coord(2 << shift_);
+        double all = static_cast<double>(count_);
+        for (int axis = 0; axis < 3; ++axis) {
+            low_[axis] = low_[axis] & ~7;
+            size_[axis] =
+                static_cast<int>(((std::int64_t{box.max()[axis]} - low_[axis]) >> shift_) + 3);
+            all *= size_[axis];
+        }
+        if (all > most_values)
             throw Failure(fmt::format("grid '{}' is too wide for `join: fade`, {}: crop the grid, "
                                       "or state `join: squeeze`",
                                       grid.getName(), span_text(box)),
                           Failure::Kind::input);
-        scale_ = 1.0 / (1 << shift_);
-        low_ = box.min() - openvdb::Coord(2 << shift_);
-        for (int axis = 0; axis < 3; ++axis) {
-            low_[axis] = low_[axis] & ~7;
-            size_[axis] = ((box.max()[axis] - low_[axis]) >> shift_) + 3;
-        }
-        count_ = components<GridT>;
-        values_.resize(count_ * static_cast<std::size_t>(size_.x()) *
-                       static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z()));
+        values_.resize(static_cast<std::size_t>(all));
         add_values(grid);
         const auto passes = std::lround(
             std::clamp(std::pow(sigma / (deviation_of_cell * (1 << shift_)), 2), 1.0, most_passes));
@@ -87,8 +86,8 @@ private:
     /// Standard deviation of cells of one voxel that are averaged by a tent once and interpolated,
     /// voxels.
     static constexpr double deviation_of_cell = 0.87;
-    static constexpr std::uint64_t most_cells = std::uint64_t{1} << 28;
-    static constexpr double most_passes = 256;
+    static constexpr double most_values = 0x1p30;
+    static constexpr double most_passes = 4096;
 
     template <class Value>
     static float component(const Value& value, std::size_t c) {

@@ -61,7 +61,7 @@ TEST_CASE("a percentage of many vertices is no more than a count may be") {
     CHECK(Count{-1e6, true}.of(300'000'000) == -1'000'000'000);
 }
 
-TEST_CASE("a surface of moments over the whole index space takes few cubes") {
+TEST_CASE("a surface of moments takes few cubes, also of 2^64 voxels") {
     const Coord end((1 << 24) - 1, (1 << 23) - 1, (1 << 23) - 1);
     const auto grid = far_apart(end), other = far_apart(end);
     TimeSurface surface(*grid, 4, 2, CoordBBox(Coord(0), end));
@@ -78,6 +78,14 @@ TEST_CASE("voxels that new ones can't number are refused") {
     CHECK_THROWS_WITH(resampled(volume_of(far_apart(Coord(500'000'000, 0, 0))),
                                 *openvdb::math::Transform::createLinearTransform(0.01), budget),
                       Catch::Contains("grid 'density'"));
+}
+
+TEST_CASE("a grid without active voxels is resampled, too") {
+    const auto empty = FloatGrid::create();
+    empty->tree().touchLeaf(Coord(0));
+    const auto out =
+        resampled(volume_of(empty), *openvdb::math::Transform::createLinearTransform(0.5), budget);
+    CHECK(out.grids[0].header().activeVoxelCount() == 0);
 }
 
 TEST_CASE("nothing lies deeper below a surface than space goes") {
