@@ -64,7 +64,8 @@ TEST_CASE("a pipeline may be deeper than the program's stack") {
             fmt::format("  n{}: {{type: energy.remap, range: [0, 1], energy: n{}}}\n", n, n + 1);
     yaml +=
         fmt::format("  n{}: {{type: energy.remap, range: [0, 1], energy: sim.density}}\n", depth);
-    yaml += "  sim: {type: vdb.read, path: " TEST_DATA "/plume/plume.####.vdb, grids: {density: float}}\n";
+    yaml += "  sim: {type: vdb.read, path: " TEST_DATA
+            "/plume/plume.####.vdb, grids: {density: float}}\n";
     const Scratch scratch;
     const auto file = scratch.write("deep.yaml", yaml);
     for (const std::string verb : {"check ", "plan "}) {

@@ -11,7 +11,6 @@ TEST_CASE("frames in even steps, as many as a run may have, and as high as frame
     CHECK_THROWS_WITH(even_frames(1, 1, 1e6 + 1),
                       "that makes 1000001 frames; a million are the most");
     CHECK_THROWS_WITH(even_frames(1, 1, 1e300), Catch::EndsWith("a million are the most"));
-    CHECK_THROWS_WITH(
-        even_frames(1, 1'000'000'000, 4),
-        "that makes frames up to 3000000001; 2147483647 is the highest frame number");
+    CHECK_THROWS_WITH(even_frames(1, 1'000'000'000, 4),
+                      "that makes frames up to 3000000001; 2147483647 is the highest frame number");
 }

@@ -1,3 +1,4 @@
+#include "carve/solver/search/protection.h"
 #include "carve/base/words.h"
 #include "carve/solver/cut/cut_seam.h"
 #include "carve/solver/dynamic.h"
@@ -5,7 +6,6 @@
 #include "carve/solver/pyramid.h"
 #include "carve/solver/search/bound.h"
 #include "carve/solver/search/find_seams.h"
-#include "carve/solver/search/protection.h"
 #include "carve/solver/search/strip.h"
 #include "carve/volume/volume.h"
 #include "tests/support/brute_force.h"
