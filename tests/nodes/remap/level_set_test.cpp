@@ -223,7 +223,7 @@ TEST_CASE(
     CHECK(kept.got == kept.carved);
     CHECK(failure_of([&] { carve_level_set(flat, lattice, map, true); }) ==
           "level set 'surface' can't be renormalized: its voxels are not cubes, or its background "
-          "is not above 0");
+          "is not above 0, or above 100 voxels");
 }
 
 TEST_CASE("level sets of doubles are renormalised, the same by any number of threads") {
