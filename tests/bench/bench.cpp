@@ -239,7 +239,7 @@ void bench_pipeline() {
     request.options.threads = 2;
     request.options.in_flight = 3;
     request.options.memory = std::uint64_t{1} << 32;
-    request.request.to = "out";
+    request.target.to = "out";
     request.options.cache = false;
     request.report_path = scratch / "report.json";
     request.quiet = true;

@@ -121,7 +121,7 @@ void run(const Document& document, const Registry& registry, const std::string& 
     request.options.memory = std::uint64_t{1} << 33;
     request.options.work_folder = scratch / "work";
     request.options.cache = false;
-    request.request.to = to;
+    request.target.to = to;
     request.quiet = true;
     if (run_pipeline(pipeline, registry, request, [] { return false; }) != exit_code::done)
         throw std::runtime_error(document.name + " failed");

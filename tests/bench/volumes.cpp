@@ -97,7 +97,7 @@ std::optional<EnergyVolume> real_energy(const std::string& folder, const std::st
     request.options.threads = 2;
     request.options.in_flight = 3;
     request.options.memory = std::uint64_t{1} << 33;
-    request.request.to = "seams";
+    request.target.to = "seams";
     request.options.cache = false;
     request.quiet = true;
     run_pipeline(pipeline, registry, request, [] { return false; });
