@@ -1,11 +1,11 @@
 #include "carve/base/numbers.h"
 
+#include "carve/base/whole.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstring>
-#include <limits>
 
 namespace fluidcarve {
 
@@ -29,12 +29,9 @@ double number_in(const char* bytes, NumberType type, bool swap) {
 void put_number(std::string& out, double number, NumberType type, bool swap) {
     with_number_type(type, [&](auto value) {
         using T = decltype(value);
-        if constexpr (std::is_integral_v<T>)
-            number = std::isnan(number)
-                         ? 0
-                         : std::clamp<double>(number, std::numeric_limits<T>::lowest(),
-                                              std::numeric_limits<T>::max());
-        auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(static_cast<T>(number));
+        if constexpr (std::is_integral_v<T>) value = whole<T>(number);
+        else value = static_cast<T>(number);
+        auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
         if (swap) std::reverse(bytes.begin(), bytes.end());
         out.append(bytes.data(), bytes.size());
     });

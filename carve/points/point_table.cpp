@@ -1,9 +1,10 @@
 #include "carve/points/point_table.h"
 
+#include "carve/base/whole.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 namespace fluidcarve {
 
@@ -21,9 +22,7 @@ void PointTable::set(Column& column, std::size_t row, double number) {
     with_number_type(column.type, [&](auto value) {
         using T = decltype(value);
         if constexpr (std::is_floating_point_v<T>) value = static_cast<T>(number);
-        else if (!std::isnan(number))
-            value = static_cast<T>(std::lround(std::clamp<double>(
-                number, std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max())));
+        else value = whole<T>(std::round(number));
         std::memcpy(column.values.data() + row * sizeof value, &value, sizeof value);
     });
 }

@@ -1,3 +1,4 @@
+#include "carve/base/whole.h"
 #include "carve/mesh/triangles.h"
 #include "formats/mesh_file/formats.h"
 
@@ -303,12 +304,11 @@ std::string stl_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
     for (std::size_t n = 0; n < mesh.faces(); ++n) {
         out.begin_solids(n);
         triangulate(points, mesh.face(n), parts);
-        const double attribute = extra ? extra->entry(n)[0] : 0;
+        const auto attribute = whole<std::uint16_t>(extra ? extra->entry(n)[0] : 0);
         for (const auto& part : parts) {
             const std::array corners{points[part[0]], points[part[1]], points[part[2]]};
             out.put_triangle(
-                corners, normals ? Vec3d(normals->entry(n).data()) : normal_of(corners),
-                static_cast<std::uint16_t>(attribute > 0 ? std::min(attribute, 65535.0) : 0));
+                corners, normals ? Vec3d(normals->entry(n).data()) : normal_of(corners), attribute);
         }
     }
     out.begin_solids(mesh.faces());

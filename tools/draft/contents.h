@@ -13,6 +13,7 @@ namespace fluidcarve {
 struct Contents {
     enum class Matter { smoke, fire, level_set, particles, image, mesh };
     Matter matter = Matter::smoke;
+    bool liquid() const { return matter == Matter::level_set || matter == Matter::particles; }
     std::string main;  ///< name of the grid or channel that is looked at; of particles in a volume,
                        ///< of their grid
     std::string flame;        ///< of fire: name of the grid of flames; may be `main`

@@ -109,9 +109,8 @@ std::string DraftText::frames() const {
 
 void DraftText::paced_sheet(const char* shown, const std::string& grid) {
     if (request_.sheet.empty()) return;
-    const bool from_above = contents_.matter == Matter::level_set ||
-                            contents_.matter == Matter::particles ||
-                            contents_.matter == Matter::mesh || contents_.matter == Matter::image;
+    const bool from_above =
+        contents_.liquid() || contents_.matter == Matter::mesh || contents_.matter == Matter::image;
     comment("Some of its frames in one picture.");
     Fields fields{{"before", shown}, {"grid", grid}};
     if (!contents_.vectors) fields.emplace_back("show", "render");
@@ -213,9 +212,7 @@ bool DraftText::warps() const {
     const auto of_seams = [](const auto& field) {
         return field.first == "spread" || field.first == "rigidity" || field.first == "soft";
     };
-    const bool liquid =
-        contents_.matter == Matter::level_set || contents_.matter == Matter::particles;
-    return liquid && std::ranges::none_of(request_.solver_fields, of_seams) &&
+    return contents_.liquid() && std::ranges::none_of(request_.solver_fields, of_seams) &&
            std::ranges::none_of(request_.remap_fields, of_seams);
 }
 
@@ -269,13 +266,11 @@ void DraftText::others(const std::string& before, const std::string& after,
     if (axis_ == 't') return paced_sheet(after.c_str(), yaml_scalar(grid));
     if (request_.sheet.empty()) return;
     comment("Is the carve where it should be? Look here first.");
-    const bool liquid =
-        contents_.matter == Matter::level_set || contents_.matter == Matter::particles;
     const char forward = contents_.y_up ? 'z' : 'y';
-    // A liquid is seen from above, where sheets look down (z), anything else from the front, but
-    // nothing along the carve.
-    const bool from_above =
-        contents_.matter == Matter::image || (liquid && !contents_.y_up && axis_ != 'z');
+    // Liquids are seen from above, which only the view along z shows; all else from the front.
+    // Nothing is seen along the carve: seams would face the viewer.
+    const bool from_above = contents_.matter == Matter::image ||
+                            (contents_.liquid() && !contents_.y_up && axis_ != 'z');
     const char view = from_above ? 'z' : axis_ == forward ? 'x' : forward;
     Fields fields{{"before", before},   {"after", after},   {"grid", yaml_scalar(grid)},
                   {"energy", "energy"}, {"lattice", "box"}, {"seams", "seams"}};

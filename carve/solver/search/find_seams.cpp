@@ -185,6 +185,7 @@ private:
                      : volume_.columns_per_frame() * (static_ ? 1 : volume_.frames());
     }
     std::size_t all_frames() const { return full_ ? full_->columns.frames() : volume_.frames(); }
+
     /// Records the statistics of a found seam, for all seams that it stands for.
     void count_met(const EnergyVolume& energy, std::span<const std::uint16_t> at) {
         const auto met = energy.met(at);
