@@ -16,6 +16,28 @@ struct Sum {
     int voxels = 0;
 };
 
+/// Reads a channel, without making a tree of a plane.
+class Channel {
+public:
+    explicit Channel(const VolumeGrid& held)
+        : plane_(held.plane()),
+          grid_(plane_ ? FloatGrid::create() : openvdb::gridConstPtrCast<FloatGrid>(held.grid())),
+          values_(grid_->getConstAccessor()) {}
+
+    bool is_active(const openvdb::Coord& at) const {
+        return plane_ ? plane_->box.isInside(at) : values_.isValueOn(at);
+    }
+    float at(const openvdb::Coord& at) const {
+        if (!plane_) return values_.getValue(at);
+        return plane_->box.isInside(at) ? plane_->at(at.x(), at.y()) : 0;
+    }
+
+private:
+    const Plane* plane_;
+    FloatGrid::ConstPtr grid_;
+    FloatGrid::ConstAccessor values_;
+};
+
 Colour colour_of(const Sum& sum, double gain) {
     if (sum.voxels == 0) return render_background;
     const auto shown = [&](double light) {
@@ -29,12 +51,24 @@ Colour colour_of(const Sum& sum, double gain) {
 std::optional<PictureScene> picture_in(const Volume& volume, const FloatGrid::ConstPtr& shown) {
     const auto depth = meta(*shown, depth_key, std::string());
     if (depth.empty()) return std::nullopt;
-    PictureScene out{{shown, shown, shown},
-                     depth == "half" || depth == "float" || depth == "double"};
+    PictureScene out{{}, depth == "half" || depth == "float" || depth == "double"};
     const auto names = colours_of(volume.given_names());
-    for (std::size_t n = 0; n < names.size(); ++n) {
-        out.channels[n] = openvdb::gridConstPtrCast<FloatGrid>(volume.find(names[n]));
-        if (!out.channels[n]) out.channels[n] = shown;
+    for (const auto& held : volume.grids) {
+        if (!held.header().isType<FloatGrid>()) continue;
+        for (std::size_t n = 0; n < 3; ++n)
+            if (held.name() == (names.empty() ? shown->getName() : names[n]))
+                out.channels[n] = held;
+    }
+    for (auto& channel : out.channels)
+        if (!channel) channel = VolumeGrid(shown);
+    return out;
+}
+
+openvdb::CoordBBox PictureScene::box() const {
+    openvdb::CoordBBox out;
+    for (const auto& held : channels) {
+        const auto active = held.plane() ? held.plane()->box : held->evalActiveVoxelBoundingBox();
+        if (!active.empty()) out.expand(active);
     }
     return out;
 }
@@ -52,17 +86,16 @@ Render render_picture(const PictureScene& scene, View view, const openvdb::Coord
     const int width = cells.size(0), height = cells.size(1);
     std::vector<Sum> sums(static_cast<std::size_t>(width) * height);
     const auto& [red, green, blue] = scene.channels;
-    std::array accessors{red->getConstAccessor(), green->getConstAccessor(),
-                         blue->getConstAccessor()};
+    const std::array<Channel, 3> channels{Channel(red), Channel(green), Channel(blue)};
     const auto [right, up] = picture_axes(view);
     for (auto at = box.begin(); at; ++at) {
-        if (!accessors[0].isValueOn(*at)) continue;
+        if (!channels[0].is_active(*at)) continue;
         const int x = floor_div((*at)[right], cell) - cells.first[0],
                   y = cells.last[1] - floor_div((*at)[up], cell);
         auto& sum = sums[static_cast<std::size_t>(y) * width + x];
         ++sum.voxels;
         for (std::size_t n = 0; n < 3; ++n) {
-            const double value = accessors[n].getValue(*at);
+            const double value = channels[n].at(*at);
             if (!std::isfinite(value)) continue;
             sum.light[n] += scene.linear ? value : of_screen(255 * value);
         }

@@ -10,8 +10,12 @@ namespace fluidcarve {
 
 /// The channels of a picture.
 struct PictureScene {
-    std::array<FloatGrid::ConstPtr, 3> channels;  ///< red, green, blue; not null
+    std::array<VolumeGrid, 3>
+        channels;         ///< red, green, blue: floats, planes as the volume has them
     bool linear = false;  ///< whether values are light; else they are sRGB, 0 to 1
+
+    /// Index box of the active voxels of all channels.
+    openvdb::CoordBBox box() const;
 };
 
 /// The picture that a volume holds: the colours of R, G and B (colours_of), else the shown grid as

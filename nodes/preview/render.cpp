@@ -282,12 +282,12 @@ std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const View
 
 std::vector<FloatGrid::ConstPtr> Scene::grids() const {
     std::vector<FloatGrid::ConstPtr> out{smoke, fire, water};
-    if (picture) out.insert(out.end(), picture->channels.begin(), picture->channels.end());
     std::erase(out, nullptr);
     return out;
 }
 
 openvdb::CoordBBox Scene::box() const {
+    if (picture) return picture->box();
     openvdb::CoordBBox out;
     for (const auto& grid : grids()) {
         const auto active = grid->evalActiveVoxelBoundingBox();

@@ -18,7 +18,7 @@ struct Scene {
     FloatGrid::ConstPtr water = nullptr;       ///< a level set; the others are then null
     std::optional<PictureScene> picture = {};  ///< the others are then null
 
-    /// The grids that are not null.
+    /// The grids that are not null; none of a picture.
     std::vector<FloatGrid::ConstPtr> grids() const;
     /// Index box of the active voxels of all grids.
     openvdb::CoordBBox box() const;

@@ -1,5 +1,6 @@
 #include "nodes/preview/sheet_rows.h"
 
+#include "carve/base/failure.h"
 #include "carve/base/words.h"
 #include "carve/field/dense.h"
 #include "carve/field/extent.h"
@@ -118,6 +119,14 @@ void SheetRows::require_room(const Shown& frame) const {
     };
     for (const auto* grid : {data.before.get(), data.after.get()}) require(grid);
     require(data.energy.get());
+    for (const auto* scene : {&data.before_scene, &data.after_scene}) {
+        if (!scene->picture) continue;
+        const auto box = scene->picture->box();
+        require_near(request_.grid, box);
+        if (!grid_fits(static_cast<double>(voxels_in(box)) * sizeof(float), request_.budget))
+            throw Failure(fmt::format("the picture spans {}, which do not fit in --memory: crop it",
+                                      span_text(box)));
+    }
     for (const auto* scene : {&data.before_scene, &data.after_scene})
         for (const auto& grid : scene->grids()) {
             require(grid.get());
