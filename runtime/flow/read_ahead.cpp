@@ -1,26 +1,20 @@
 #include "runtime/flow/read_ahead.h"
 
-#include "formats/file/input_file.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
 #include <utility>
 
 namespace fluidcarve {
-namespace {
 
-/// Tells the system about the use of a file. If the file can't be opened, its reader reports that.
-void tell_of(const std::string& path, InputFile::Use use) {
+void ReadAhead::tell_system(const std::string& path, InputFile::Use use) {
     try {
         InputFile(path, {"an input"}).advise(use);
     } catch (const Unreadable&) {}
 }
 
-}  // namespace
-
-ReadAhead::ReadAhead(FilesOfPass files, std::size_t ahead, std::uint64_t memory)
-    : files_(std::move(files)), ahead_(ahead) {
+ReadAhead::ReadAhead(FilesOfPass files, std::size_t ahead, std::uint64_t memory, Tell tell)
+    : files_(std::move(files)), ahead_(ahead), tell_(std::move(tell)) {
     for (std::size_t frame = 0; frame < files_.read.size(); ++frame)
         for (const auto& path : files_.read[frame]) last_[path] = frame;
     std::uint64_t all = 0;
@@ -59,20 +53,20 @@ void ReadAhead::work(const std::stop_token& stop) {
         lock.unlock();
         for (const auto gone : done) drop(gone);
         if (asks)
-            for (const auto& path : files_.read[frame]) tell_of(path, InputFile::Use::soon);
+            for (const auto& path : files_.read[frame]) tell_(path, InputFile::Use::soon);
         lock.lock();
     }
 }
 
 void ReadAhead::drop(std::size_t done) {
     for (const auto& path : files_.read[done])
-        if (last_[path] == done) tell_of(path, InputFile::Use::over);
+        if (last_[path] == done) tell_(path, InputFile::Use::over);
     // The system drops only data that is on the disk, and begins to write the rest, so it is told
     // again later.
     lately_.push_back(done);
     if (lately_.size() > ahead_ + 2) lately_.pop_front();
     for (const auto frame : lately_)
-        for (const auto& path : files_.written[frame]) tell_of(path, InputFile::Use::over);
+        for (const auto& path : files_.written[frame]) tell_(path, InputFile::Use::over);
 }
 
 FilesOfPass files_of(const Store& store, const Wiring& wiring,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "formats/file/input_file.h"
 #include "runtime/keep/store.h"
 #include "runtime/plan/frame_run.h"
 #include "runtime/plan/schedule.h"
@@ -8,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <string>
@@ -27,9 +29,12 @@ struct FilesOfPass {
 /// reads, or that frames have written.
 class ReadAhead {
 public:
+    /// Tells the system about the use of a file.
+    using Tell = std::function<void(const std::string& path, InputFile::Use)>;
+
     /// @param ahead   number of frames to read ahead
     /// @param memory  bytes
-    ReadAhead(FilesOfPass files, std::size_t ahead, std::uint64_t memory);
+    ReadAhead(FilesOfPass files, std::size_t ahead, std::uint64_t memory, Tell tell = tell_system);
     ~ReadAhead();
     ReadAhead(const ReadAhead&) = delete;
     ReadAhead& operator=(const ReadAhead&) = delete;
@@ -38,6 +43,9 @@ public:
     void begin(std::size_t frame);
     void end(std::size_t frame);
 
+    /// Leaves out a file that can't be opened, since its reader reports that.
+    static void tell_system(const std::string& path, InputFile::Use use);
+
 private:
     void work(const std::stop_token& stop);
     /// Drops the files of a frame. @param done  the frame
@@ -45,6 +53,7 @@ private:
 
     const FilesOfPass files_;
     const std::size_t ahead_;
+    const Tell tell_;
     std::map<std::string, std::size_t> last_;  ///< file to the last frame that reads it
     bool drops_ = false;
     std::mutex mutex_;

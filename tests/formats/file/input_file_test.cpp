@@ -3,10 +3,18 @@
 
 #include <catch2/catch.hpp>
 
+#include <fcntl.h>
+#include <linux/magic.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
+#include <sys/vfs.h>
 #include <unistd.h>
+#include <algorithm>
+#include <chrono>
+#include <thread>
+#include <vector>
 
 using namespace fluidcarve;
 
@@ -26,6 +34,30 @@ std::string fault_of_input(const Call& call) {
 
 std::string fault_of_path(const std::string& path, FileUse use = {.what = "a song"}) {
     return fault_of_input([&] { const InputFile file(path, use); });
+}
+
+/// Share of a file's pages that the system holds in memory.
+double cached_share(const std::string& path, std::size_t bytes) {
+    const int file = open(path.c_str(), O_RDONLY);
+    void* const at = mmap(nullptr, bytes, PROT_READ, MAP_SHARED, file, 0);
+    std::vector<unsigned char> pages((bytes + 4095) / 4096);
+    mincore(at, bytes, pages.data());
+    munmap(at, bytes);
+    close(file);
+    return static_cast<double>(
+               std::ranges::count_if(pages, [](unsigned char page) { return (page & 1) != 0; })) /
+           static_cast<double>(pages.size());
+}
+
+/// Advises until the system holds that share of a file. The system may pass over an advice when
+/// it is busy, so this asks again, for 10 s.
+bool advice_leads_to(const std::string& path, InputFile::Use use, double share, std::size_t bytes) {
+    for (int n = 0; n < 100; ++n) {
+        InputFile(path, {.what = "a song"}).advise(use);
+        std::this_thread::sleep_for(std::chrono::milliseconds(n == 0 ? 10 : 100));
+        if (cached_share(path, bytes) == share) return true;
+    }
+    return false;
 }
 
 }  // namespace
@@ -95,4 +127,22 @@ TEST_CASE("a file that grows or shrinks while it is read, and a disk that fails,
     // No process has memory at address 0: to read there fails as a damaged disk does.
     CHECK(fault_of_input([] { InputFile("/proc/self/mem", {.what = "a song"}).head(1); }) ==
           "can't be read at byte 0: Input/output error; copy it again");
+}
+
+TEST_CASE("the system reads a file ahead, or drops it, as it is advised") {
+    constexpr std::size_t bytes = 600'000;  // more than Linux reads at one request
+    const Scratch scratch;
+    const auto path = scratch.write("a.txt", std::string(bytes, 'x'));
+    const int file = open(path.c_str(), O_RDONLY);
+    struct statfs where {};
+    fstatfs(file, &where);
+    fsync(file);
+    close(file);
+    if (where.f_type == TMPFS_MAGIC) {
+        WARN("the scratch folder lies in memory: nothing to see");
+        return;
+    }
+    CHECK(advice_leads_to(path, InputFile::Use::over, 0, bytes));
+    CHECK(advice_leads_to(path, InputFile::Use::soon, 1, bytes));
+    CHECK(advice_leads_to(path, InputFile::Use::over, 0, bytes));
 }
