@@ -89,9 +89,10 @@ struct MeshWrite {
         const auto* const stated = params.translate || params.scale ? &placement : nullptr;
         const auto path = params.path.at(context.frame());
         const auto frame = params.path.per_frame() ? std::optional(context.frame()) : std::nullopt;
+        const auto provenance = context.provenance();
         const auto losses = names_usda(path)
-                                ? write_mesh_usda(path, *io.source, stated, frame)
-                                : write_mesh(path, *io.source, stated, context.provenance());
+                                ? write_mesh_usda(path, *io.source, stated, frame, provenance)
+                                : write_mesh(path, *io.source, stated, provenance);
         for (const auto& loss : losses) context.warn(loss);
     }
 };

@@ -4,7 +4,7 @@
 #include "carve/points/points.h"
 #include "carve/volume/volume.h"
 #include "formats/geometry_file/usda.h"
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 #include "formats/points_file/usda.h"
 #include "graph/types/node_type.h"
 #include "nodes/params/file_sequence.h"
@@ -171,7 +171,8 @@ struct PointsWrite {
         if (names_usda(path)) {
             const auto frame =
                 params.path.per_frame() ? std::optional(context.frame()) : std::nullopt;
-            const auto unsaid = write_points_usda(path, *io.source, {stated, params.width, frame});
+            const auto unsaid = write_points_usda(
+                path, *io.source, {stated, params.width, frame, context.provenance()});
             for (const auto& name : unsaid.attributes)
                 context.warn(fmt::format(
                     "attribute '{}' is left out: it can't go to USD; write a .vdb to keep it",

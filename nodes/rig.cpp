@@ -357,7 +357,7 @@ struct RigTransform {
     static void run(const Params& params, Ports& io, Context&) {
         if (params.extend > 0 && io.rig->closed)
             throw Failure(
-                fmt::format("{} is closed: it has no ends to 'extend'", text_of(*io.rig)));
+                fmt::format("{} is closed: it has no ends to 'extend'", to_text(*io.rig)));
         auto rig = moved(smoothed(*io.rig, params.smooth), params.scale, Vec3d(params.pivot.data()),
                          Vec3d(params.translate.data()));
         if (params.extend > 0) rig = extended(rig, params.extend, params.extend);

@@ -138,13 +138,13 @@ private:
         throw Failure(
             fmt::format("no point around the seed, {}, stays where the velocity is active: move "
                         "'seed' into the flow, or take a smaller 'scale'",
-                        text_of(seed_of(params))));
+                        to_text(seed_of(params))));
     }
     [[noreturn]] void refuse_still(const Params& params) const {
         throw Failure(
             fmt::format("the points stay within {:g} of the seed, {}: the velocity there is too "
                         "small, or 'scale' is",
-                        apart_, text_of(seed_of(params))));
+                        apart_, to_text(seed_of(params))));
     }
 
     /// The sets as they are now. The latest is nearest to the seed.

@@ -99,7 +99,7 @@ struct UsdWrite {
                 {name, file, found == fields_.end() ? std::nullopt : std::optional(found->second)});
         }
         const auto path = params.path.at(context.frame());
-        write_usda(path, stage_text(stage, path));
+        write_usda(path, stage_text(stage, path), context.provenance());
     }
 
 private:

@@ -18,11 +18,11 @@ namespace {
 /// Sets whether the grids of some names are written with half floats.
 void stored_as_half(Volume& volume, const std::vector<std::string>& names, bool half) {
     const auto named = grids_named(volume, names);
-    for (auto& held : volume.grids) {
-        if (!named.contains(&held.header()) || held.header().saveFloatAsHalf() == half) continue;
-        const auto changed = openvdb::ConstPtrCast<openvdb::GridBase>(held.grid()->copyGrid());
+    for (auto& each : volume.grids) {
+        if (!named.contains(&each.header()) || each.header().saveFloatAsHalf() == half) continue;
+        const auto changed = openvdb::ConstPtrCast<openvdb::GridBase>(each.grid()->copyGrid());
         changed->setSaveFloatAsHalf(half);
-        held = changed;
+        each = changed;
     }
 }
 

@@ -171,8 +171,8 @@ struct WarpSolve {
     /// A linear warp serves every amount up to the limit of squeezing.
     static std::string rest(const Params& params) {
         if (!params.amount) return "of a file";
-        if (params.rest) return "rest of " + text_of(*params.amount);
-        if (one_of_a_kind(*params.amount)) return text_of(*params.amount);
+        if (params.rest) return "rest of " + to_text(*params.amount);
+        if (one_of_a_kind(*params.amount)) return to_text(*params.amount);
         return params.pair_window ? params.amount->whole.value < 0 ? "squeezes" : "draws out" : "";
     }
     static Extent extent(const Payload& result) {

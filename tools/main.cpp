@@ -1,12 +1,13 @@
 #include "nodes/catalogue.h"
-#include "runtime/tell/breakdown.h"
 #include "runtime/tell/exit_codes.h"
+#include "runtime/tell/uncaught.h"
 #include "tools/verbs/commands.h"
 
 #include <fcntl.h>
 #include <tbb/cache_aligned_allocator.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdio>
 #include <exception>
 
@@ -38,12 +39,14 @@ void begin() {
 
 int main(int argc, char** argv) {
     open_standard_streams();
+    // Where the parent ignores it, the ends of our own children could not be waited for.
+    std::signal(SIGCHLD, SIG_DFL);
     int code = fluidcarve::exit_code::node_failed;
     try {
         warm_allocator();
         code = fluidcarve::run_command_line(argc, argv, fluidcarve::builtin_registry());
     } catch (const std::exception& error) {
-        std::fputs(fluidcarve::breakdown_text(&error).c_str(), stderr);
+        std::fputs(fluidcarve::uncaught_text(&error).c_str(), stderr);
     }
     if (std::ferror(stdout) == 0 && std::fclose(stdout) == 0) return code;
     std::fputs("failed: the results could not be written; is the disk full?\n", stderr);

@@ -9,7 +9,7 @@
 
 namespace fluidcarve {
 
-std::size_t size_of(NumberType type) {
+std::size_t bytes_of(NumberType type) {
     return with_number_type(type, [](auto value) { return sizeof value; });
 }
 

@@ -10,7 +10,7 @@ namespace fluidcarve {
 enum class NumberType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
 /// Bytes of a number in a binary file.
-std::size_t size_of(NumberType type);
+std::size_t bytes_of(NumberType type);
 bool is_floating(NumberType type);
 
 /// Calls `visit(T{})` with the C++ type.

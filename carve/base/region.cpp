@@ -42,7 +42,7 @@ Region widened(Region region, double by) {
     return region;
 }
 
-std::string text_of(const Region::Box& box) {
+std::string to_text(const Region::Box& box) {
     return fmt::format("({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g})", box.low[0], box.low[1],
                        box.low[2], box.high[0], box.high[1], box.high[2]);
 }

@@ -28,6 +28,6 @@ Region::Box around(const std::vector<Region::Box>& boxes);
 /// The region with its boxes grown on all sides. @param by  world units
 Region widened(Region region, double by);
 /// For messages: "(0, 0, 0) to (1, 2, 3)".
-std::string text_of(const Region::Box& box);
+std::string to_text(const Region::Box& box);
 
 }  // namespace fluidcarve

@@ -13,7 +13,7 @@ int Count::of(int size) const {
         std::lround(std::clamp(percent ? value / 100 * size : value, -most, most)));
 }
 
-std::string text_of(const Count& count) {
+std::string to_text(const Count& count) {
     return fmt::format("{}{}", count.value, count.percent ? "%" : "");
 }
 

@@ -35,7 +35,7 @@ struct Count {
     int of(int size) const;
 };
 /// The count as a pipeline states it: "-12", "-30%".
-std::string text_of(const Count& count);
+std::string to_text(const Count& count);
 
 /// Names of an enum's values, in pipelines and messages. Specialise it with
 ///   static constexpr std::array names = {std::pair{"linear", Interpolation::linear}, ...};

@@ -22,7 +22,7 @@ std::optional<MissedRange> missed_range(const openvdb::GridBase& mask) {
     return wanted && values ? std::optional(MissedRange{*wanted, *values}) : std::nullopt;
 }
 
-std::string text_of(const MissedRange& missed) {
+std::string to_text(const MissedRange& missed) {
     const auto& [low, high] = missed.wanted;
     const auto wanted = std::isinf(high)  ? fmt::format("from {:g}", low)
                         : std::isinf(low) ? fmt::format("up to {:g}", high)

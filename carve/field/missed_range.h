@@ -19,6 +19,6 @@ void note_missed_range(MaskGrid& mask, const MissedRange& missed);
 /// The reason stored by note_missed_range(), if any.
 std::optional<MissedRange> missed_range(const openvdb::GridBase& mask);
 /// For messages: "mask.threshold marks values from 2, but the field has 0 to 0.9 only".
-std::string text_of(const MissedRange& missed);
+std::string to_text(const MissedRange& missed);
 
 }  // namespace fluidcarve

@@ -11,11 +11,11 @@ namespace fluidcarve {
 template <class Change>
 Volume each_grid(const Volume& volume, const Change& change) {
     auto out = volume;
-    for (auto& held : out.grids) {
-        const auto grid = held.grid();
+    for (auto& each : out.grids) {
+        const auto grid = each.grid();
 #define FLUIDCARVE_TRY(GridT)                                              \
     if (grid->isType<GridT>()) {                                           \
-        held = held.holding(change(openvdb::GridBase::grid<GridT>(grid))); \
+        each = each.holding(change(openvdb::GridBase::grid<GridT>(grid))); \
         continue;                                                          \
     }
         FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_TRY)

@@ -146,11 +146,11 @@ private:
         if (lattice.around)
             return fmt::format(
                 "lattice of {} x {} x {} vertices around {}, radius {:g}, spacing {:g}",
-                lattice.shape[0], lattice.shape[1], lattice.shape[2], text_of(rig_), spec_.u[1],
+                lattice.shape[0], lattice.shape[1], lattice.shape[2], to_text(rig_), spec_.u[1],
                 lattice.spacing);
         return fmt::format(
             "lattice of {} x {} x {} vertices along {}, u from {:g}, v from {:g}, spacing {:g}",
-            lattice.shape[0], lattice.shape[1], lattice.shape[2], text_of(rig_), spec_.u[0],
+            lattice.shape[0], lattice.shape[1], lattice.shape[2], to_text(rig_), spec_.u[0],
             spec_.v[0], lattice.spacing);
     }
 

@@ -44,7 +44,7 @@ std::vector<Vec3d> plane_directions(const Resampled& line, bool closed, bool to_
             throw Failure(
                 fmt::format("the rig turns right back within one spacing near {}, plane {}; smooth "
                             "it, or take another spacing",
-                            text_of(line.points[k]), k));
+                            to_text(line.points[k]), k));
         out.push_back(before == chords[k] ? before : sum.unit());
     }
     return out;
@@ -57,7 +57,7 @@ std::vector<Vec3d> untwisted(const Resampled& line, const std::vector<Vec3d>& w,
         throw Failure(
             fmt::format("the rig starts along its 'up', {}, which leaves the direction of v open; "
                         "state another 'up'",
-                        text_of(up)));
+                        to_text(up)));
     std::vector<Vec3d> out{first.unit()};
     for (std::size_t k = 1; k < w.size(); ++k)
         out.push_back(carried(out.back(), w[k - 1], line.chords[k - 1], w[k]));

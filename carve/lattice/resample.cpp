@@ -116,7 +116,7 @@ Resampled resampled(const Rig& rig, double spacing, std::optional<int> planes) {
                 fmt::format("no step divides the rig, {}, evenly into {} planes: it turns back "
                             "within less than the spacing of {:g}; smooth it, or take "
                             "another spacing",
-                            text_of(rig), *planes, spacing));
+                            to_text(rig), *planes, spacing));
         out.step = *step;
         places.resize(1);
         while (places.size() < static_cast<std::size_t>(*planes))

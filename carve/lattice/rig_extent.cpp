@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-std::string text_of(const RigExtent& extent) {
+std::string to_text(const RigExtent& extent) {
     const auto* const unit = extent.shares ? "%" : "";
     return fmt::format("[{}{}, {}{}]", extent.low, unit, extent.high, unit);
 }

@@ -19,6 +19,6 @@ struct RigExtent {
 };
 
 /// The extent as a pipeline states it.
-std::string text_of(const RigExtent& extent);
+std::string to_text(const RigExtent& extent);
 
 }  // namespace fluidcarve

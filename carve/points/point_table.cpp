@@ -15,7 +15,7 @@ const PointTable::Column* PointTable::column(std::string_view name) const {
 }
 
 double PointTable::number(const Column& column, std::size_t row) {
-    return number_in(column.values.data() + row * size_of(column.type), column.type, false);
+    return number_in(column.values.data() + row * bytes_of(column.type), column.type, false);
 }
 
 void PointTable::set(Column& column, std::size_t row, double number) {

@@ -75,7 +75,7 @@ Points with_images(const Points& source, const std::vector<PointImage>& images,
     auto ply = std::make_shared<PointTable>(*source.ply);
     ply->size = images.size();
     for (std::size_t c = 0; c < ply->columns.size(); ++c) {
-        const auto size = static_cast<std::ptrdiff_t>(size_of(ply->columns[c].type));
+        const auto size = static_cast<std::ptrdiff_t>(bytes_of(ply->columns[c].type));
         auto& to = ply->columns[c].values;
         to.clear();
         for (const auto& image : images) {

@@ -78,12 +78,12 @@ Volume carve_volume(const Volume& volume, const Lattice& lattice, const CarveMap
                     Interpolation interpolation) {
     if (map.empty()) return volume;
     Volume out = volume;
-    for (auto& held : out.grids) {
-        const auto grid = held.grid();
+    for (auto& each : out.grids) {
+        const auto grid = each.grid();
         // The components of a staggered triplet stand on faces, between the voxels. If whole
         // vertices move, they travel with their voxels.
         const auto triplet = triplet_of(volume, *grid);
-        held = held.holding(carve_any(grid,
+        each = each.holding(carve_any(grid,
                                       triplet && !map.soft() ? *triplet->cells : grid->transform(),
                                       lattice, map, interpolation));
     }

@@ -233,21 +233,21 @@ Volume seam_filtered(const Volume& volume, const Lattice& given, const CarveMap&
     const auto lattice = map.extended(given);
     const Filter filter{mode, width, weights(mode, width)};
     Volume out = volume;
-    for (auto& held : out.grids) {
-        const auto grid = held.grid();
+    for (auto& each : out.grids) {
+        const auto grid = each.grid();
         const auto triplet = triplet_of(volume, *grid);
         const auto place = [&] {
             return CarvedPlaces(lattice, map.reach(), grid->transform(),
                                 triplet ? *triplet->cells : grid->transform());
         };
         if (grid->isType<openvdb::FloatGrid>())
-            held = held.holding(filtered<openvdb::FloatGrid>(grid, place(), map, filter));
+            each = each.holding(filtered<openvdb::FloatGrid>(grid, place(), map, filter));
         else if (grid->isType<openvdb::DoubleGrid>())
-            held = filtered<openvdb::DoubleGrid>(grid, place(), map, filter);
+            each = filtered<openvdb::DoubleGrid>(grid, place(), map, filter);
         else if (grid->isType<openvdb::Vec3SGrid>())
-            held = filtered<openvdb::Vec3SGrid>(grid, place(), map, filter);
+            each = filtered<openvdb::Vec3SGrid>(grid, place(), map, filter);
         else if (grid->isType<openvdb::Vec3DGrid>())
-            held = filtered<openvdb::Vec3DGrid>(grid, place(), map, filter);
+            each = filtered<openvdb::Vec3DGrid>(grid, place(), map, filter);
     }
     return out;
 }

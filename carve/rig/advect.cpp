@@ -38,7 +38,7 @@ public:
         else openvdb::tools::BoxSampler::sample(accessor_, index, out);
         if (!openvdb::math::isFinite(out))
             throw Failure(fmt::format("grid '{}' has a value that is not finite near {}",
-                                      grid_.getName(), text_of(world)));
+                                      grid_.getName(), to_text(world)));
         return Vec3d(out);
     }
 

@@ -39,14 +39,14 @@ std::string rig_fault(const Rig& rig) {
         if (chord(n).length() == 0)
             return fmt::format(
                 "points {} and {} of the rig are the same, {}{}", n + 1, (n + 1) % count + 1,
-                text_of(points[n]),
+                to_text(points[n]),
                 n + 1 == count ? "; a closed rig returns to its first point by itself" : "");
     for (std::size_t n = rig.closed ? 0 : 1; n < chords; ++n)
         // The rig turns straight back, within half a degree.
         if (const auto before = chord(n + count - 1), after = chord(n);
             before.dot(after) < -0.99996 * before.length() * after.length())
             return fmt::format("the rig turns right back at point {}, {}", n + 1,
-                               text_of(points[n]));
+                               to_text(points[n]));
     return {};
 }
 
@@ -65,23 +65,23 @@ Region region_of(const Rig& rig) {
     return out;
 }
 
-std::string text_of(const Vec3d& position) {
+std::string to_text(const Vec3d& position) {
     return fmt::format("({:g}, {:g}, {:g})", position.x(), position.y(), position.z());
 }
 
-std::string text_of(const Rig& rig) {
+std::string to_text(const Rig& rig) {
     if (rig.oval) {
         const double x = rig.oval->x.length(), y = rig.oval->y.length();
         if (std::abs(x - y) <= 1e-12 * x)
-            return fmt::format("a circle of radius {:g} around {}", x, text_of(rig.oval->center));
+            return fmt::format("a circle of radius {:g} around {}", x, to_text(rig.oval->center));
         return fmt::format("an oval of radii {:g} and {:g} around {}", x, y,
-                           text_of(rig.oval->center));
+                           to_text(rig.oval->center));
     }
     if (rig.closed)
         return fmt::format("a closed path of {} points through {}", rig.points.size(),
-                           text_of(rig.points.front()));
+                           to_text(rig.points.front()));
     return fmt::format("an open path of {} points from {} to {}", rig.points.size(),
-                       text_of(rig.points.front()), text_of(rig.points.back()));
+                       to_text(rig.points.front()), to_text(rig.points.back()));
 }
 
 }  // namespace fluidcarve

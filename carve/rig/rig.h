@@ -41,9 +41,9 @@ std::string rig_fault(const Rig& rig);
 Region region_of(const Rig& rig);
 
 /// For messages: "(1, 2, 3)".
-std::string text_of(const openvdb::Vec3d& position);
+std::string to_text(const openvdb::Vec3d& position);
 /// For messages: "a circle of radius 2 around (0, 0, 0)", "an open path of 3 points from (0, 0, 0)
 /// to (4, 0, 0)".
-std::string text_of(const Rig& rig);
+std::string to_text(const Rig& rig);
 
 }  // namespace fluidcarve

@@ -1,6 +1,6 @@
 #include "carve/sdf/balls.h"
 
-#include "carve/vectors/wide.h"
+#include "carve/simd/wide.h"
 
 #include <openvdb/tools/PointIndexGrid.h>
 #include <openvdb/tools/Prune.h>

@@ -157,13 +157,13 @@ public:
     const Ends& common() const { return common_; }
     /// Clamps a source to the space before. A smoothed map may lead beyond its ends; it then reads
     /// at the ends.
-    double held(double source) const {
+    double clamped(double source) const {
         return std::clamp(source, static_cast<double>(origin_), static_cast<double>(last_before()));
     }
     /// The source of a point at `u` under a fade: `source`, without a fade, is moved towards `u`
     /// and stays in the lattice.
     double drawn(double u, double source, double scale) const {
-        return scale < 1 ? held(u + scale * (source - u)) : source;
+        return scale < 1 ? clamped(u + scale * (source - u)) : source;
     }
     /// Whether the step has the column of a vertex.
     bool has_column(const openvdb::Coord& vertex) const {

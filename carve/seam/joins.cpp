@@ -109,9 +109,10 @@ void Joins::smooth(int count, std::size_t stride, int lines, std::size_t between
                 std::fill_n(to, seams_, 0.0f);
                 for (int n = 0; n < static_cast<int>(tent.size()); ++n) {
                     const int near = at + n - static_cast<int>(tent.size() / 2),
-                              held = ring ? (near % count + count) % count
-                                          : std::clamp(near, 0, count - 1);
-                    const auto* const from = copy.data() + static_cast<std::size_t>(held) * seams_;
+                              clamped = ring ? (near % count + count) % count
+                                             : std::clamp(near, 0, count - 1);
+                    const auto* const from =
+                        copy.data() + static_cast<std::size_t>(clamped) * seams_;
                     for (std::size_t seam = 0; seam < seams_; ++seam)
                         to[seam] += tent[static_cast<std::size_t>(n)] * from[seam];
                 }

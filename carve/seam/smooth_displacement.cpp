@@ -1,7 +1,7 @@
 #include "carve/seam/smooth_displacement.h"
 
 #include "carve/seam/joins.h"
-#include "carve/vectors/eight.h"
+#include "carve/simd/eight.h"
 
 #include <tbb/parallel_for.h>
 
@@ -46,7 +46,7 @@ FLUIDCARVE_WIDE void weighted_mean(std::span<const float> weights, const float* 
         // Adding this number, 1.5 * 2^23, leaves no bits for a fraction.
         constexpr float whole_only = 12582912;
         const auto whole = (mean + whole_only) - whole_only,
-                   out = size_of(mean - whole) < snap ? whole : mean;
+                   out = absolute(mean - whole) < snap ? whole : mean;
         std::memcpy(to + e, &out, sizeof out);
     }
 }
@@ -308,27 +308,27 @@ void SmoothDisplacement::smooth_across(std::span<const float> weights, bool slic
     const auto laterals = static_cast<std::size_t>(laterals_);
     const auto stride = slices ? laterals * row_ : row_, between = slices ? row_ : laterals * row_;
     // Every line of columns is smoothed in place, from a copy.
-    tbb::parallel_for(tbb::blocked_range<int>(0, slices ? laterals_ : slices_),
-                      [&](const tbb::blocked_range<int>& lines) {
-                          std::vector<float> copy(row_ * static_cast<std::size_t>(count));
-                          std::vector<const float*> rows(weights.size());
-                          for (int line = lines.begin(); line < lines.end(); ++line) {
-                              auto* const first =
-                                  entries() + static_cast<std::size_t>(line) * between;
-                              for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n)
-                                  std::copy_n(first + n * stride, row_, copy.data() + n * row_);
-                              for (int at = 0; at < count; ++at) {
-                                  for (std::size_t n = 0; n < rows.size(); ++n) {
-                                      const int near = at + static_cast<int>(n) - reach;
-                                      const int held = ring ? (near % count + count) % count
-                                                            : std::clamp(near, 0, count - 1);
-                                      rows[n] = copy.data() + static_cast<std::size_t>(held) * row_;
-                                  }
-                                  weighted_mean(weights, rows.data(), row_,
-                                                first + static_cast<std::size_t>(at) * stride);
-                              }
-                          }
-                      });
+    tbb::parallel_for(
+        tbb::blocked_range<int>(0, slices ? laterals_ : slices_),
+        [&](const tbb::blocked_range<int>& lines) {
+            std::vector<float> copy(row_ * static_cast<std::size_t>(count));
+            std::vector<const float*> rows(weights.size());
+            for (int line = lines.begin(); line < lines.end(); ++line) {
+                auto* const first = entries() + static_cast<std::size_t>(line) * between;
+                for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n)
+                    std::copy_n(first + n * stride, row_, copy.data() + n * row_);
+                for (int at = 0; at < count; ++at) {
+                    for (std::size_t n = 0; n < rows.size(); ++n) {
+                        const int near = at + static_cast<int>(n) - reach;
+                        const int clamped =
+                            ring ? (near % count + count) % count : std::clamp(near, 0, count - 1);
+                        rows[n] = copy.data() + static_cast<std::size_t>(clamped) * row_;
+                    }
+                    weighted_mean(weights, rows.data(), row_,
+                                  first + static_cast<std::size_t>(at) * stride);
+                }
+            }
+        });
 }
 
 SmoothDisplacement::Value SmoothDisplacement::at(const Vec3d& at, const CarveStep& step) const {

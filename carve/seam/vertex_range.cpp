@@ -17,14 +17,14 @@ std::optional<Window> VertexRange::vertices() const {
     return shares ? std::nullopt : std::optional(of(0));
 }
 
-std::string text_of(const VertexRange& range) {
+std::string to_text(const VertexRange& range) {
     const auto* const unit = range.shares ? "%" : "";
     return fmt::format("[{}{}, {}{}]", range.first, unit, range.last, unit);
 }
 
-std::string text_of(const PairRanges& ranges) {
-    const auto above = text_of(ranges.above);
-    return ranges.below ? fmt::format("[{}, {}]", text_of(*ranges.below), above) : above;
+std::string to_text(const PairRanges& ranges) {
+    const auto above = to_text(ranges.above);
+    return ranges.below ? fmt::format("[{}, {}]", to_text(*ranges.below), above) : above;
 }
 
 std::optional<Window> vertices_of(const Auto<VertexRange>& range) {
@@ -36,9 +36,9 @@ std::optional<std::string> pair_fault(const Window& window, const VertexRange& w
                                       bool share) {
     const int shared = share ? 1 : 0;
     if (pair.first > window.last - shared) return std::nullopt;
-    return fmt::format("pair_window {} {} window {}; it must begin {}", text_of(pair_stated),
+    return fmt::format("pair_window {} {} window {}; it must begin {}", to_text(pair_stated),
                        pair.last < window.first + shared ? "lies below" : "overlaps",
-                       text_of(window_stated),
+                       to_text(window_stated),
                        share ? fmt::format("at vertex {} or above", window.last)
                              : fmt::format("above vertex {}", window.last));
 }
@@ -48,8 +48,8 @@ std::optional<std::string> pair_below_fault(const Window& window, const VertexRa
     if (pair.last <= window.first) return std::nullopt;
     return fmt::format(
         "pair_window {}, the first of two, {} window {}; it must end at vertex {} or below",
-        text_of(pair_stated), pair.first >= window.last ? "lies above" : "overlaps",
-        text_of(window_stated), window.first);
+        to_text(pair_stated), pair.first >= window.last ? "lies above" : "overlaps",
+        to_text(window_stated), window.first);
 }
 
 }  // namespace fluidcarve

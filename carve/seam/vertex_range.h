@@ -42,8 +42,8 @@ std::optional<std::string> pair_below_fault(const Window& window, const VertexRa
                                             const Window& pair, const VertexRange& pair_stated);
 
 /// The range as a pipeline states it.
-std::string text_of(const VertexRange& range);
+std::string to_text(const VertexRange& range);
 /// The same for pairs: `[20, 30]`, or `[[0, 8], [20, 30]]`.
-std::string text_of(const PairRanges& ranges);
+std::string to_text(const PairRanges& ranges);
 
 }  // namespace fluidcarve

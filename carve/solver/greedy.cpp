@@ -1,5 +1,6 @@
 #include "carve/solver/greedy.h"
 
+#include "carve/simd/wide.h"
 #include "carve/solver/costs/code.h"
 #include "carve/solver/costs/lanes.h"
 #include "carve/solver/greedy_guide.h"
@@ -8,7 +9,6 @@
 #include "carve/solver/search/protection.h"
 #include "carve/solver/search/ranked_costs.h"
 #include "carve/solver/search/strip.h"
-#include "carve/vectors/wide.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>

@@ -36,7 +36,7 @@ PointTable read_ply_points(BinaryReader& in) {
     out.size = in.value<std::uint64_t>();
     in.require(out.size == 0 || !out.columns.empty());
     for (const auto& column : out.columns) {
-        const auto bytes = size_of(column.type);
+        const auto bytes = bytes_of(column.type);
         in.require(column.values.size() % bytes == 0 && column.values.size() / bytes == out.size);
     }
     return out;

@@ -337,28 +337,28 @@ Volume mixed(const Volume& a, const Volume& b, const ShareAt& share, const Volum
     };
     auto out = nearer;
     for (std::size_t n = 0; n < out.grids.size(); ++n) {
-        auto& held = out.grids[n];
+        auto& each = out.grids[n];
         const auto before = in(a, first, names[n]), after = in(b, second, names[n]);
         const auto mix = [&]<class GridT>(const GridT*) {
             const auto old = before ? openvdb::gridConstPtrCast<GridT>(before.grid()) : nullptr,
                        now = after ? openvdb::gridConstPtrCast<GridT>(after.grid()) : nullptr;
-            held = held.holding(grid_mixed(old.get(), now.get(), share, ways));
+            each = each.holding(grid_mixed(old.get(), now.get(), share, ways));
         };
-        if (held.header().isType<FloatGrid>()) {
+        if (each.header().isType<FloatGrid>()) {
             if (before && after && before.plane() && after.plane() &&
                 before.plane()->box == after.plane()->box)
-                held = VolumeGrid(held.header().copyGridWithNewTree(),
+                each = VolumeGrid(each.header().copyGridWithNewTree(),
                                   picture_mixed(*before.plane(), *after.plane(), share, motion,
-                                                held.header().transform()));
+                                                each.header().transform()));
             else mix(static_cast<const FloatGrid*>(nullptr));
-        } else if (held.header().isType<VectorGrid>()) mix(static_cast<const VectorGrid*>(nullptr));
-        else if (is_point_grid(held.header()) && before && after)
-            held = held.holding(points(points_in(before), points_in(after)).grid);
+        } else if (each.header().isType<VectorGrid>()) mix(static_cast<const VectorGrid*>(nullptr));
+        else if (is_point_grid(each.header()) && before && after)
+            each = each.holding(points(points_in(before), points_in(after)).grid);
         // With one moment for all places, the grid is that of the nearer frame, unchanged.
         else if (!alike && before && after &&
                  before.header().transform() == after.header().transform())
             if (const auto chosen = grid_chosen(before.grid(), after.grid(), share))
-                held = held.holding(chosen);
+                each = each.holding(chosen);
     }
     return out;
 }

@@ -17,7 +17,7 @@ std::vector<int> FramesCarved::left(const Auto<Count>& used, const std::vector<i
               by = paired ? 0 : std::clamp(all, -most, most);
     if (size + by < 1)
         throw Failure(
-            fmt::format("count {} takes all of {} frames; some must stay", text_of(count), size));
+            fmt::format("count {} takes all of {} frames; some must stay", to_text(count), size));
     return even_frames(frames.front(), step_of(frames), static_cast<double>(size) + by);
 }
 

@@ -32,15 +32,15 @@ openvdb::GridBase::ConstPtr multiplied(const openvdb::GridBase::ConstPtr& base,
 
 Volume paced(const Volume& volume, const ShareAt& rate) {
     auto out = volume;
-    for (auto& held : out.grids) {
-        const auto& header = held.header();
-        if (is_point_grid(header)) held = held.holding(paced(points_in(held), rate).grid);
+    for (auto& each : out.grids) {
+        const auto& header = each.header();
+        if (is_point_grid(header)) each = each.holding(paced(points_in(each), rate).grid);
         else if (header.isType<openvdb::Vec3SGrid>())
-            held = multiplied<openvdb::Vec3SGrid>(held, rate);
+            each = multiplied<openvdb::Vec3SGrid>(each, rate);
         else if (header.isType<openvdb::Vec3DGrid>())
-            held = multiplied<openvdb::Vec3DGrid>(held, rate);
+            each = multiplied<openvdb::Vec3DGrid>(each, rate);
         else if (header.isType<FloatGrid>() && triplet_of(volume, header))
-            held = multiplied<FloatGrid>(held, rate);
+            each = multiplied<FloatGrid>(each, rate);
     }
     return out;
 }

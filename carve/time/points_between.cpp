@@ -226,10 +226,10 @@ private:
 
 }  // namespace
 
-Points points_in(const VolumeGrid& held) {
-    require_sound(*held.grid(), "the source");
+Points points_in(const VolumeGrid& grid) {
+    require_sound(*grid.grid(), "the source");
     Points out;
-    out.grid = held.grid();
+    out.grid = grid.grid();
     return out;
 }
 

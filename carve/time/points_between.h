@@ -17,7 +17,7 @@ struct PointMotion {
 };
 
 /// The points of a volume's grid. @throws Failure if the grid is damaged
-Points points_in(const VolumeGrid& held);
+Points points_in(const VolumeGrid& grid);
 
 /// A share, from 0 to 1, at a world position.
 using ShareAt = std::function<double(const openvdb::Vec3d&)>;

@@ -42,8 +42,8 @@ std::optional<std::pair<FloatGrid::ConstPtr, FloatGrid::ConstPtr>> shown_in(cons
                                                                             const Volume& b) {
     std::optional<std::pair<FloatGrid::ConstPtr, FloatGrid::ConstPtr>> out;
     std::uint64_t most = 0;
-    for (const auto& held : a.grids) {
-        const openvdb::GridBase::ConstPtr grid = held;
+    for (const auto& each : a.grids) {
+        const openvdb::GridBase::ConstPtr grid = each;
         const auto old = openvdb::gridConstPtrCast<FloatGrid>(grid),
                    now = openvdb::gridConstPtrCast<FloatGrid>(b.find(grid->getName()));
         if (!old || !now || old->transform() != now->transform() ||

@@ -68,9 +68,9 @@ void Thumbnails::add(const Volume& volume, const Ref<VectorGrid>& given) {
 void Thumbnails::add_points(const Volume& volume, Frame& to) {
     openvdb::tree::ValueAccessor<openvdb::FloatTree> counts(to.shown);
     openvdb::tree::ValueAccessor<openvdb::Vec3STree> momenta(to.momentum);
-    for (const auto& held : volume.grids) {
-        if (!is_point_grid(held.header())) continue;
-        const auto points = points_in(held);
+    for (const auto& each : volume.grids) {
+        if (!is_point_grid(each.header())) continue;
+        const auto points = points_in(each);
         if (!voxels_) voxels_ = points.grid->transform().copy();
         const auto positions = points.positions();
         const auto velocities = vectors_of(points, velocity_name(points));

@@ -17,7 +17,6 @@ struct Placement {
 };
 
 /// The transform in the shot's world.
-
 openvdb::math::Transform::Ptr placed(const openvdb::math::Transform& in_file,
                                      const Placement& placement);
 

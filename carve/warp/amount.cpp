@@ -11,7 +11,7 @@ namespace {
 
 using Length = WarpAmount::Length;
 
-std::string text_of(const Length& length) {
+std::string to_text(const Length& length) {
     return fmt::format("{}{}", length.value, length.percent ? "%" : "");
 }
 
@@ -73,11 +73,11 @@ double WarpAmount::at(double w, double frame, int size) const {
                                             [](const Share& share) { return share.share; });
 }
 
-std::string text_of(const WarpAmount& amount) {
-    if (!amount.varies()) return text_of(amount.whole);
+std::string to_text(const WarpAmount& amount) {
+    if (!amount.varies()) return to_text(amount.whole);
     std::vector<std::string> points, shares;
     for (const auto& point : amount.points)
-        points.push_back(fmt::format("[{}, {}]", point.at, text_of(point.amount)));
+        points.push_back(fmt::format("[{}, {}]", point.at, to_text(point.amount)));
     for (const auto& share : amount.shares)
         shares.push_back(fmt::format("[{}, {}]", share.at, share.share));
     return fmt::format(

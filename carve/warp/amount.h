@@ -72,6 +72,6 @@ struct ChoiceNames<WarpAmount::Along> {
 };
 
 /// The amount as a pipeline states it.
-std::string text_of(const WarpAmount& amount);
+std::string to_text(const WarpAmount& amount);
 
 }  // namespace fluidcarve

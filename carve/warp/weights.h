@@ -2,8 +2,8 @@
 
 #include "carve/base/frame_store.h"
 #include "carve/seam/warp.h"
+#include "carve/solver/costs/energy_volume.h"
 #include "carve/solver/costs/prices.h"
-#include "carve/solver/costs/volume.h"
 
 namespace fluidcarve {
 

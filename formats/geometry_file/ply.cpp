@@ -44,7 +44,7 @@ std::string_view name_of(NumberForm encoding) {
 std::size_t PlyHeader::Element::bytes(bool ascii) const {
     std::size_t out = 0;
     for (const auto& property : properties)
-        out += ascii ? 2 : size_of(property.count.value_or(property.type));
+        out += ascii ? 2 : bytes_of(property.count.value_or(property.type));
     return out;
 }
 

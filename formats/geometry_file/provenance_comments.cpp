@@ -7,7 +7,7 @@ namespace {
 
 /// The entry in a line; two empty texts if it has none.
 Provenance::value_type entry_in(std::string_view line) {
-    for (const auto begin : {obj_comment, ply_comment})
+    for (const auto begin : {hash_comment, ply_comment})
         if (line.starts_with(begin)) return provenance_of_line(line.substr(begin.size()));
     return {};
 }

@@ -2,6 +2,7 @@
 
 #include "carve/base/words.h"
 #include "formats/file/output_file.h"
+#include "formats/geometry_file/provenance_comments.h"
 
 #include <fmt/format.h>
 
@@ -139,10 +140,13 @@ void UsdGeometry::add_positions(const std::vector<double>& values) {
     add({"float3", "extent", {}, 3}, extent);
 }
 
-void write_usda(const std::string& path, const std::string& text) {
+void write_usda(const std::string& path, std::string_view text, const Provenance& provenance) {
     OutputFile output(path);
     std::ofstream out(output.aside(), std::ios::binary);
-    out.write(text.data(), static_cast<std::streamsize>(text.size()));
+    const auto first_line = text.find('\n') + 1;
+    out << text.substr(0, first_line);
+    for (const auto& line : provenance_comments(provenance, hash_comment)) out << line << '\n';
+    out << text.substr(first_line);
     output.commit(out);
 }
 

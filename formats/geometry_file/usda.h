@@ -1,5 +1,6 @@
 #pragma once
 
+#include "formats/file/provenance.h"
 #include "formats/geometry_file/ply.h"
 
 #include <cstddef>
@@ -78,7 +79,9 @@ private:
     UsdNames primvars_;
 };
 
-/// Writes a text file that appears whole or not at all. @throws Failure if it can't be written
-void write_usda(const std::string& path, const std::string& text);
+/// Writes a .usda file that appears whole or not at all. @throws Failure if it can't be written
+/// @param text        of the whole file
+/// @param provenance  goes behind its first line
+void write_usda(const std::string& path, std::string_view text, const Provenance& provenance);
 
 }  // namespace fluidcarve

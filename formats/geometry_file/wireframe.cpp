@@ -30,7 +30,7 @@ void write_wireframe(const std::string& path, const Lattice& lattice,
     OutputFile file(path);
     std::ofstream out(file.aside(), std::ios::binary);
     out << "# " << lattice.description << "\n";
-    for (const auto& line : provenance_comments(provenance, obj_comment)) out << line << "\n";
+    for (const auto& line : provenance_comments(provenance, hash_comment)) out << line << "\n";
     std::array<std::vector<int>, 3> at;
     for (std::size_t n = 0; n < 3; ++n) at[n] = lined_vertices(lattice.shape[n], every[n]);
     for (const int k : at[2])

@@ -33,9 +33,9 @@ std::string stl_text(const Mesh& mesh, const std::vector<openvdb::Vec3d>& points
 /// @throws Failure (input) naming the first face with a wrong corner
 void require_vertices(const FileText& file, const Mesh& mesh);
 /// Name of an attribute for messages: "UVs", "normals", "colours", or its name in quotes.
-std::string text_of(const Mesh::Attribute& attribute);
+std::string to_text(const Mesh::Attribute& attribute);
 /// Name for messages: "vertices", "faces" or "corners".
-std::string text_of(Mesh::Attribute::On on);
+std::string to_text(Mesh::Attribute::On on);
 /// Value of full intensity in colours of this type: the maximum of an integer, or 1.
 double full_light(Mesh::Attribute::Type type);
 /// Adds the message that an attribute is not written.

@@ -94,7 +94,7 @@ std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh,
     out << std::string_view(text).substr(0, at.value_or(0));
     if (at)
         for (const auto& line :
-             provenance_comments(provenance, *at == 0 ? obj_comment : ply_comment))
+             provenance_comments(provenance, *at == 0 ? hash_comment : ply_comment))
             out << line << '\n';
     out << std::string_view(text).substr(at.value_or(0));
     output.commit(out);
@@ -113,13 +113,13 @@ void require_vertices(const FileText& file, const Mesh& mesh) {
                                   face, *found, mesh.points.size()));
 }
 
-std::string text_of(const Mesh::Attribute& attribute) {
+std::string to_text(const Mesh::Attribute& attribute) {
     if (attribute.name == "uv") return "UVs";
     if (attribute.name == "normal" || attribute.name == "colour") return attribute.name + "s";
     return fmt::format("'{}'", attribute.name);
 }
 
-std::string text_of(Mesh::Attribute::On on) {
+std::string to_text(Mesh::Attribute::On on) {
     using On = Mesh::Attribute::On;
     return on == On::vertices ? "vertices" : on == On::faces ? "faces" : "corners";
 }
@@ -140,8 +140,8 @@ double full_light(Mesh::Attribute::Type type) {
 }
 
 void lose(Losses& losses, const Mesh::Attribute& attribute, const std::string& why) {
-    losses.push_back(fmt::format("{} of {} are not written: {}", text_of(attribute),
-                                 text_of(attribute.on), why));
+    losses.push_back(fmt::format("{} of {} are not written: {}", to_text(attribute),
+                                 to_text(attribute.on), why));
 }
 
 const std::vector<Mesh::Line>& lines_for(const Mesh& mesh, const std::string& format,

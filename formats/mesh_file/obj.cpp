@@ -208,7 +208,7 @@ ObjAttributes obj_attributes(const Mesh& mesh, Losses& losses) {
         else if (attribute.name == "normal" && parts == 3 && !out.normals) out.normals = &attribute;
         else if (attribute.on == Attribute::On::vertices && is_extra && !out.extra)
             out.extra = &attribute;
-        else lose(losses, attribute, fmt::format(".obj holds none of {}", text_of(attribute.on)));
+        else lose(losses, attribute, fmt::format(".obj holds none of {}", to_text(attribute.on)));
     }
     return out;
 }

@@ -210,7 +210,7 @@ OffAttributes off_attributes(const Mesh& mesh, std::vector<Attribute>& made, Los
                                                        (attribute.name == "normal" && parts == 3));
         std::size_t several = 0;
         if (!fits || slot)
-            lose(losses, attribute, fmt::format(".off holds none of {}", text_of(attribute.on)));
+            lose(losses, attribute, fmt::format(".off holds none of {}", to_text(attribute.on)));
         else if (attribute.on != Attribute::On::corners) slot = &attribute;
         else if (auto single = per_vertex(mesh, attribute, several))
             slot = &made.emplace_back(std::move(*single));
@@ -223,7 +223,7 @@ OffAttributes off_attributes(const Mesh& mesh, std::vector<Attribute>& made, Los
         if (attribute && attribute->name == "colour" && full_light(attribute->type) > 255)
             losses.push_back(
                 fmt::format("colours of {} are rounded to bytes: .off holds no finer whole ones",
-                            text_of(attribute->on)));
+                            to_text(attribute->on)));
     return out;
 }
 

@@ -134,13 +134,13 @@ private:
 
     double next(Type type) {
         if (!stored_->binary) return file_.number(file_.any_word());
-        return number_in(file_.take(size_of(type)).data(), type, is_swapped(encoding_));
+        return number_in(file_.take(bytes_of(type)).data(), type, is_swapped(encoding_));
     }
 
     std::size_t next_count(const Property& list) {
         const double count = next(*list.count);
         const auto most = (file_.rest().size() + file_.line().size() + 1) /
-                          (stored_->binary ? size_of(list.type) : 2);
+                          (stored_->binary ? bytes_of(list.type) : 2);
         if (!(count >= 0 && count == std::floor(count) && count <= static_cast<double>(most)))
             file_.fault_in_all(
                 fmt::format("a list '{}' of {} entries can't be: the file is cut off or damaged",

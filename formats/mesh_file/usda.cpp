@@ -58,7 +58,8 @@ bool put_as_own(UsdGeometry& out, const Mesh::Attribute& attribute) {
 }  // namespace
 
 std::vector<std::string> write_mesh_usda(const std::string& path, const Mesh& mesh,
-                                         const Placement* placement, std::optional<int> frame) {
+                                         const Placement* placement, std::optional<int> frame,
+                                         const Provenance& provenance) {
     Losses losses;
     lines_for(mesh, "usda", losses);
     UsdGeometry out("Mesh", frame);
@@ -81,7 +82,7 @@ std::vector<std::string> write_mesh_usda(const std::string& path, const Mesh& me
                              entries_of(attribute, 0, parts)))
             lose(losses, attribute, ".usda has no type for them");
     }
-    write_usda(path, out.text());
+    write_usda(path, out.text(), provenance);
     return losses;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "carve/mesh/mesh.h"
+#include "formats/file/provenance.h"
 
 #include <optional>
 #include <string>
@@ -16,6 +17,7 @@ namespace fluidcarve {
 /// @return messages about data that USD can't hold
 /// @throws Failure if the file can't be written
 std::vector<std::string> write_mesh_usda(const std::string& path, const Mesh& mesh,
-                                         const Placement* placement, std::optional<int> frame);
+                                         const Placement* placement, std::optional<int> frame,
+                                         const Provenance& provenance);
 
 }  // namespace fluidcarve

@@ -62,7 +62,7 @@ public:
 
     void values() {
         for (auto& column : points_.columns)
-            column.values.resize(points_.size * size_of(column.type));
+            column.values.resize(points_.size * bytes_of(column.type));
         points_.encoding == NumberForm::ascii ? ascii() : binary();
         file_.require_same_size();
         for (std::size_t row = 0; row < points_.size; ++row)
@@ -233,7 +233,7 @@ private:
 
     void binary() {
         std::size_t length = 0;
-        for (const auto& column : points_.columns) length += size_of(column.type);
+        for (const auto& column : points_.columns) length += bytes_of(column.type);
         const bool swaps = is_swapped(points_.encoding);
         const auto rows = std::max<std::size_t>(1, chunk / length);
         std::vector<char> bytes(rows * length);
@@ -243,7 +243,7 @@ private:
             const char* from = bytes.data();
             for (auto n = first; n < end; ++n)
                 for (auto& column : points_.columns) {
-                    const auto size = size_of(column.type);
+                    const auto size = bytes_of(column.type);
                     auto* const to = column.values.data() + n * size;
                     swaps ? void(std::reverse_copy(from, from + size, to))
                           : void(std::copy(from, from + size, to));
@@ -272,7 +272,7 @@ std::string header_of(const PointTable& points) {
 
 void append_row(std::string& out, const PointTable& points, std::size_t row) {
     for (const auto& column : points.columns) {
-        const auto size = size_of(column.type);
+        const auto size = bytes_of(column.type);
         const auto* const from = column.values.data() + row * size;
         if (points.encoding == NumberForm::little) out.append(from, size);
         else if (points.encoding == NumberForm::big)

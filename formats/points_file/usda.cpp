@@ -108,7 +108,7 @@ UsdPointsUnsaid write_points_usda(const std::string& path, const Points& points,
     const double unit = request.placement ? request.placement->scale : 1;
     if (!out.has("widths") && points.grid) put_width(points.grid->voxelSize().x() / 2 / unit);
     unsaid.width = !out.has("widths");
-    write_usda(path, out.text());
+    write_usda(path, out.text(), request.provenance);
     return unsaid;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "carve/points/points.h"
+#include "formats/file/provenance.h"
 
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@ struct UsdPointsRequest {
     std::optional<double> width;  ///< width of every point, world units; nothing: twice the
                                   ///< attribute `radius` or `pscale`, else half a voxel
     std::optional<int> frame;  ///< the time of the points; nothing: they are the same at all times
+    Provenance provenance;
 };
 
 /// What a written .usda file does not hold.

@@ -150,7 +150,7 @@ std::string ply_text(const std::vector<SeamCurves>& curves, const Provenance& pr
 
 std::string obj_text(const std::vector<SeamCurves>& curves, const Provenance& provenance) {
     std::string out;
-    for (const auto& line : provenance_comments(provenance, obj_comment)) out += line + "\n";
+    for (const auto& line : provenance_comments(provenance, hash_comment)) out += line + "\n";
     std::size_t first = 1;
     for (std::size_t n = 0; n < curves.size(); ++n) {
         out += fmt::format("o seam_{:04}\n", n);

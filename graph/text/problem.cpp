@@ -44,7 +44,7 @@ void put(std::string& out, const Mark& mark, const std::string& message) {
     out += fmt::format("{}\n{:>{}}\n", line, "^", column + 1);
 }
 
-nlohmann::ordered_json json_of(const Mark& mark, const std::string& message) {
+nlohmann::ordered_json to_json(const Mark& mark, const std::string& message) {
     return {{"file", mark.source ? mark.source->name : ""},
             {"line", mark.line},
             {"column", mark.column},
@@ -85,14 +85,14 @@ std::string to_text(const Problems& problems) {
     return out;
 }
 
-std::string to_json(const Problems& problems) {
+nlohmann::ordered_json to_json(const Problems& problems) {
     auto out = nlohmann::ordered_json::array();
     for (const auto& problem : ordered(problems)) {
-        auto entry = json_of(problem.at, problem.message);
-        if (!problem.also.empty()) entry["also"] = json_of(problem.also_at, problem.also);
+        auto entry = to_json(problem.at, problem.message);
+        if (!problem.also.empty()) entry["also"] = to_json(problem.also_at, problem.also);
         out.push_back(std::move(entry));
     }
-    return json_text(out, 2) + "\n";
+    return out;
 }
 
 }  // namespace fluidcarve

@@ -2,6 +2,8 @@
 
 #include "carve/base/failure.h"
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -47,6 +49,6 @@ std::string to_text(const Problems& problems);
 
 /// All problems in the same order, as a JSON array of `{file, line, column, message, also?: {file,
 /// line, column, message}}`.
-std::string to_json(const Problems& problems);
+nlohmann::ordered_json to_json(const Problems& problems);
 
 }  // namespace fluidcarve

@@ -196,7 +196,7 @@ std::optional<Count> ParamTraits<Count>::parse(const Value& value, ValueReader& 
     return Count{*number, percent};
 }
 
-std::string ParamTraits<Count>::text(const Count& value) { return text_of(value); }
+std::string ParamTraits<Count>::text(const Count& value) { return to_text(value); }
 
 std::optional<InputPath> ParamTraits<InputPath>::parse(const Value& value, ValueReader& reader) {
     const auto beside = read_path<InputPath>(

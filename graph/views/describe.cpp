@@ -186,44 +186,6 @@ std::vector<PayloadType> travelling(const Registry& registry) {
     return out;
 }
 
-Json json_of(const Registry& registry, const NodeType& type) {
-    Json out{{"name", type.name},
-             {"doc", type.doc},
-             {"inputs", Json::array()},
-             {"params", Json::array()},
-             {"outputs", Json::array()}};
-    for (const auto& input : type.inputs) {
-        auto accepts = Json::array();
-        for (const auto& payload : registry.payloads())
-            if (registry.accepts(input.type, payload.type)) accepts.push_back(payload.name);
-        out["inputs"].push_back({{"name", input.name},
-                                 {"type", registry.payload(input.type).name},
-                                 {"accepts", accepts},
-                                 {"arity", arity_text(input)},
-                                 {"doc", input.doc}});
-    }
-    for (const auto& param : type.params) {
-        Json entry{{"name", param.name}, {"value", to_text(param.shape)}};
-        if (!param.shape.choices.empty()) entry["choices"] = param.shape.choices;
-        if (param.unit != Unit::none) entry["unit"] = to_text(param.unit);
-        if (std::isfinite(param.range.min)) entry["min"] = param.range.min;
-        if (std::isfinite(param.range.max)) entry["max"] = param.range.max;
-        if (param.required) entry["required"] = true;
-        else entry["default"] = param.fallback;
-        entry["doc"] = param.doc;
-        out["params"].push_back(std::move(entry));
-    }
-    for (const auto& output : type.outputs)
-        out["outputs"].push_back({{"name", output.name},
-                                  {"type", registry.payload(output.type).name},
-                                  {"once", !type.per_frame_outputs},
-                                  {"doc", output.doc}});
-    if (!type.outputs_param.empty()) out["outputs_from"] = type.outputs_param;
-    out["version"] = type.version;
-    out["kept"] = type.kept;
-    return out;
-}
-
 }  // namespace
 
 std::string listing(const Registry& registry, const std::string& only) {
@@ -328,24 +290,58 @@ std::string to_markdown(const Registry& registry) {
     return out;
 }
 
-std::string to_json(const Registry& registry, const NodeType& type) {
-    return json_text(json_of(registry, type), 2) + "\n";
+Json to_json(const Registry& registry, const NodeType& type) {
+    Json out{{"name", type.name},
+             {"doc", type.doc},
+             {"inputs", Json::array()},
+             {"params", Json::array()},
+             {"outputs", Json::array()}};
+    for (const auto& input : type.inputs) {
+        auto accepts = Json::array();
+        for (const auto& payload : registry.payloads())
+            if (registry.accepts(input.type, payload.type)) accepts.push_back(payload.name);
+        out["inputs"].push_back({{"name", input.name},
+                                 {"type", registry.payload(input.type).name},
+                                 {"accepts", accepts},
+                                 {"arity", arity_text(input)},
+                                 {"doc", input.doc}});
+    }
+    for (const auto& param : type.params) {
+        Json entry{{"name", param.name}, {"value", to_text(param.shape)}};
+        if (!param.shape.choices.empty()) entry["choices"] = param.shape.choices;
+        if (param.unit != Unit::none) entry["unit"] = to_text(param.unit);
+        if (std::isfinite(param.range.min)) entry["min"] = param.range.min;
+        if (std::isfinite(param.range.max)) entry["max"] = param.range.max;
+        if (param.required) entry["required"] = true;
+        else entry["default"] = param.fallback;
+        entry["doc"] = param.doc;
+        out["params"].push_back(std::move(entry));
+    }
+    for (const auto& output : type.outputs)
+        out["outputs"].push_back({{"name", output.name},
+                                  {"type", registry.payload(output.type).name},
+                                  {"once", !type.per_frame_outputs},
+                                  {"doc", output.doc}});
+    if (!type.outputs_param.empty()) out["outputs_from"] = type.outputs_param;
+    out["version"] = type.version;
+    out["kept"] = type.kept;
+    return out;
 }
 
-std::string family_to_json(const Registry& registry, const std::string& family) {
+Json family_to_json(const Registry& registry, const std::string& family) {
     Json out{{"nodes", Json::array()}};
     for (const auto& [name, type] : registry.nodes())
-        if (family_of(name) == family) out["nodes"].push_back(json_of(registry, type));
-    return json_text(out, 2) + "\n";
+        if (family_of(name) == family) out["nodes"].push_back(to_json(registry, type));
+    return out;
 }
 
-std::string to_json(const Registry& registry) {
+Json to_json(const Registry& registry) {
     Json out{{"nodes", Json::array()}, {"types", Json::array()}};
     for (const auto& [name, type] : registry.nodes())
-        out["nodes"].push_back(json_of(registry, type));
+        out["nodes"].push_back(to_json(registry, type));
     for (const auto& payload : travelling(registry))
         out["types"].push_back({{"name", payload.name}, {"doc", payload.doc}});
-    return json_text(out, 2) + "\n";
+    return out;
 }
 
 }  // namespace fluidcarve

@@ -2,6 +2,8 @@
 
 #include "graph/types/registry.h"
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <string>
 
 namespace fluidcarve {
@@ -29,9 +31,10 @@ std::string family_to_markdown(const Registry& registry,
 /// doc}]}`.
 /// A parameter has `name`, `value` (its form in words), `choices?`, `unit?`, `min?`, `max?`,
 /// `required` or `default` (as YAML), `doc`.
-std::string to_json(const Registry& registry);
-std::string to_json(const Registry& registry, const NodeType& type);  ///< one entry of `nodes`
-std::string family_to_json(const Registry& registry,
-                           const std::string& family);  ///< `{nodes}` of a family
+nlohmann::ordered_json to_json(const Registry& registry);
+/// One entry of `nodes`.
+nlohmann::ordered_json to_json(const Registry& registry, const NodeType& type);
+/// `{nodes}` of a family.
+nlohmann::ordered_json family_to_json(const Registry& registry, const std::string& family);
 
 }  // namespace fluidcarve

@@ -153,7 +153,7 @@ private:
 
     /// Records the settings that the command needs to give a value again.
     void note(const std::string& target, const Value& value) {
-        if (outside_.changed(value)) settings_.push_back(target + "=" + text_of(value));
+        if (outside_.changed(value)) settings_.push_back(target + "=" + to_text(value));
         else outside_.add_params(value, params_);
     }
 
@@ -181,12 +181,12 @@ private:
         };
         for (const auto& param : document_.params.fields)
             if (params_.contains(param.name) && outside_.changed_param(param))
-                put(param.name + "=" + portable(text_of(param.value)));
+                put(param.name + "=" + portable(to_text(param.value)));
         for (const auto& setting : settings_) put(setting);
         return out;
     }
 
-    static std::string text_of(const Value& value) {
+    static std::string to_text(const Value& value) {
         return value.kind == Value::Kind::scalar ? value.text : yaml_text(value);
     }
 

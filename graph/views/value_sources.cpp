@@ -89,15 +89,15 @@ std::string line(const std::string& name, const ValueSource& source) {
     return one_line(fmt::format("{} = {}, {}{}", name, source.value, from, with)) + "\n";
 }
 
-Json json_of(const ValueSource& source) {
+Json to_json(const ValueSource& source) {
     Json out{{"value", source.value}, {"from", source.from}};
     if (!source.with.empty()) out["with"] = source.with;
     return out;
 }
 
-Json json_of(const ValueSources::Fields& fields) {
+Json to_json(const ValueSources::Fields& fields) {
     auto out = Json::object();
-    for (const auto& [name, source] : fields) out[name] = json_of(source);
+    for (const auto& [name, source] : fields) out[name] = to_json(source);
     return out;
 }
 
@@ -128,17 +128,17 @@ std::string to_text(const ValueSources& sources) {
     return sources.files.empty() ? out : out + "\n" + to_text(sources.files);
 }
 
-std::string to_json(const ValueSources& sources) {
-    Json out{{"frames", json_of(sources.frames)},
-             {"params", json_of(sources.params)},
+Json to_json(const ValueSources& sources) {
+    Json out{{"frames", to_json(sources.frames)},
+             {"params", to_json(sources.params)},
              {"nodes", Json::object()}};
-    for (const auto& [node, fields] : sources.nodes) out["nodes"][node] = json_of(fields);
+    for (const auto& [node, fields] : sources.nodes) out["nodes"][node] = to_json(fields);
     for (const auto& file : sources.files) {
         auto& entry = out["files"][file.node + "." + file.field];
         entry = {{"path", file.path}, {"writes", file.writes}};
         if (!file.writes) entry["found"] = file.found;
     }
-    return json_text(out, 2) + "\n";
+    return out;
 }
 
 }  // namespace fluidcarve

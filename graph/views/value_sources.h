@@ -4,6 +4,8 @@
 #include "graph/types/registry.h"
 #include "graph/views/file_places.h"
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,6 +40,6 @@ std::string to_text(const ValueSources& sources);
 /// JSON: `{frames: {value, from, with?}, params: {NAME: {value, from, with?}}, nodes: {NODE:
 /// {FIELD: {value, from, with?}}}, files?: {NODE.FIELD: {path, writes, found?}}}`, with each
 /// `value` as a YAML text.
-std::string to_json(const ValueSources& sources);
+nlohmann::ordered_json to_json(const ValueSources& sources);
 
 }  // namespace fluidcarve

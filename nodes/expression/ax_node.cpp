@@ -35,7 +35,7 @@ Ref<AnyGrid> everywhere(double value, const openvdb::math::Transform& transform)
     return std::make_shared<AnyGrid>(AnyGrid{grid});
 }
 
-std::string text_of(const Mark& mark) {
+std::string to_text(const Mark& mark) {
     return fmt::format("{}:{}:{}", mark.source ? mark.source->name : std::string("code"), mark.line,
                        mark.column);
 }
@@ -99,7 +99,7 @@ FloatGrid::Ptr AxProgram::run(const AxParams& params, const std::string& output,
                               const Context& context) const {
     const auto& module = expressions();
     const auto place = [&](int line, int column) {
-        return text_of(params.code.place(line, column));
+        return to_text(params.code.place(line, column));
     };
     std::call_once(once_, [&] {
         std::vector<std::string> names;

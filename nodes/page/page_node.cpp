@@ -61,11 +61,7 @@ struct PreviewPage {
             [&](std::size_t place) {
                 return is_shown(place, total, params.frames.value_or(default_frames));
             },
-            [&](const auto& there) {
-                if (std::find(there.begin(), there.end(), *params.grid) == there.end())
-                    throw Failure(fmt::format("'before' has no grid '{}'{}", *params.grid,
-                                              did_you_mean(*params.grid, there)));
-            });
+            [&](const auto& there) { require_grid("before", *params.grid, there); });
     }
 
     static bool wants(const Params& params, const Context& context) {
@@ -115,10 +111,8 @@ private:
                    (grid->template isType<FloatGrid>() || grid->template isType<VectorGrid>());
         };
         if (name) {
+            require_grid("before", *name, volume.given_names());
             const auto grid = volume.find(*name);
-            if (!grid)
-                throw Failure(
-                    fmt::format("'before' has no grid '{}'; it has: {}", *name, volume.names()));
             if (!shows(grid))
                 throw Failure(fmt::format(
                     "grid '{}' holds {} values; a page shows grids of floats or vectors", *name,
@@ -126,8 +120,8 @@ private:
             return grid;
         }
         if (const auto density = volume.find("density"); shows(density)) return density;
-        for (const auto& held : volume.grids)
-            if (const auto grid = held.grid(); shows(grid)) return grid;
+        for (const auto& each : volume.grids)
+            if (const auto grid = each.grid(); shows(grid)) return grid;
         throw Failure(fmt::format("'before' has no grid of floats or vectors to show; it has: {}",
                                   volume.names()));
     }

@@ -19,9 +19,9 @@ std::optional<std::string> extent_fault(const char* name, const RigExtent& exten
         return fmt::format(
             "'{}' is {}, which is empty; for a single vertex, as for images, "
             "state less than one spacing{}",
-            name, text_of(extent),
+            name, to_text(extent),
             spacing && !extent.shares
-                ? ": " + text_of(RigExtent{extent.low, extent.low + *spacing / 2, false})
+                ? ": " + to_text(RigExtent{extent.low, extent.low + *spacing / 2, false})
                 : std::string());
     if (!spacing || extent.shares) return std::nullopt;
     const double count = vertices_along(extent.of(0), *spacing);

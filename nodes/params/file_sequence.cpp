@@ -1,6 +1,7 @@
 #include "nodes/params/file_sequence.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/words.h"
 #include "graph/types/node_type.h"
 
 #include <fmt/format.h>
@@ -118,6 +119,13 @@ bool survey_grids(std::string_view input, Survey& survey,
         }
     }
     return true;
+}
+
+void require_grid(std::string_view input, const std::string& name,
+                  const std::vector<std::string>& there) {
+    if (!find_name(there, name))
+        throw Failure(
+            fmt::format("'{}' has no grid '{}'{}", input, name, did_you_mean(name, there)));
 }
 
 std::string file_of(const InputPath& path, Missing missing, const Context& context) {

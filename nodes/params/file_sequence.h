@@ -48,6 +48,12 @@ bool survey_grids(std::string_view input, Survey& survey,
                   const std::function<bool(std::size_t place)>& wants,
                   const std::function<void(const std::vector<std::string>& names)>& check);
 
+/// @param input  name of the input whose grids these are
+/// @param there  their names
+/// @throws Failure if find_name() finds no grid
+void require_grid(std::string_view input, const std::string& name,
+                  const std::vector<std::string>& there);
+
 /// Path of the file for the context's frame.
 std::string file_of(const InputPath& path, Missing missing, const Context& context);
 

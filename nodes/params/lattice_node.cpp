@@ -111,7 +111,7 @@ bool LatticeNode::tell_folds(const LatticeSpec& spec, OnFold on_fold,
             ? fmt::format(
                   "the lattice reaches {:g} inwards, past the centre of {}, and no smoothing "
                   "repairs that: keep '{}' within the radius",
-                  spec.flip_u || spec.around ? spec.u[1] : -spec.u[0], text_of(*rigs_[t]),
+                  spec.flip_u || spec.around ? spec.u[1] : -spec.u[0], to_text(*rigs_[t]),
                   spec.around ? "radius" : "extent_u")
             : fmt::format("reduce {}, or smooth the rig more",
                           spec.around ? "'radius'" : "the extents on the inner side of the bend");

@@ -162,7 +162,7 @@ std::optional<RigExtent> ParamTraits<RigExtent>::parse(const Value& value, Value
     return RigExtent{ends[0], ends[1], shares};
 }
 
-std::string ParamTraits<RigExtent>::text(const RigExtent& extent) { return text_of(extent); }
+std::string ParamTraits<RigExtent>::text(const RigExtent& extent) { return to_text(extent); }
 
 Shape ParamTraits<VertexRange>::shape() { return pair_or_shares(); }
 
@@ -188,7 +188,7 @@ std::optional<VertexRange> ParamTraits<VertexRange>::parse(const Value& value,
     return VertexRange{ends[0], ends[1], shares};
 }
 
-std::string ParamTraits<VertexRange>::text(const VertexRange& range) { return text_of(range); }
+std::string ParamTraits<VertexRange>::text(const VertexRange& range) { return to_text(range); }
 
 Shape ParamTraits<PairRanges>::shape() {
     auto out = ParamTraits<VertexRange>::shape();
@@ -211,7 +211,7 @@ std::optional<PairRanges> ParamTraits<PairRanges>::parse(const Value& value, Val
     return below && above ? std::optional(PairRanges{*above, below}) : std::nullopt;
 }
 
-std::string ParamTraits<PairRanges>::text(const PairRanges& ranges) { return text_of(ranges); }
+std::string ParamTraits<PairRanges>::text(const PairRanges& ranges) { return to_text(ranges); }
 
 Shape ParamTraits<WarpAmount>::shape() {
     // A percentage is not a number in YAML.
@@ -241,6 +241,6 @@ std::optional<WarpAmount> ParamTraits<WarpAmount>::parse(const Value& value, Val
     return out;
 }
 
-std::string ParamTraits<WarpAmount>::text(const WarpAmount& amount) { return text_of(amount); }
+std::string ParamTraits<WarpAmount>::text(const WarpAmount& amount) { return to_text(amount); }
 
 }  // namespace fluidcarve

@@ -206,7 +206,7 @@ void require_fits(const WarpParams& params, const WarpAmount& amount,
         const auto window = stated.of(size);
         if (window.last > size - 1)
             throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name,
-                                      text_of(stated), vertices));
+                                      to_text(stated), vertices));
         if (const auto fault = one_vertex(name, window)) throw Failure(*fault);
     }
     if (const auto fault = places_fault(

@@ -1,6 +1,6 @@
 #include "nodes/payload/add_payloads.h"
 
-#include "carve/solver/costs/frame.h"
+#include "carve/solver/costs/frame_energy.h"
 #include "carve/solver/costs/half.h"
 #include "carve/stream/binary.h"
 #include "carve/stream/packed.h"

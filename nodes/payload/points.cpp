@@ -2,7 +2,7 @@
 
 #include "carve/stream/points_stream.h"
 #include "carve/volume/volume.h"
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 
 namespace fluidcarve {
 

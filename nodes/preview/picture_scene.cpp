@@ -19,9 +19,9 @@ struct Sum {
 /// Reads a channel, without making a tree of a plane.
 class Channel {
 public:
-    explicit Channel(const VolumeGrid& held)
-        : plane_(held.plane()),
-          grid_(plane_ ? FloatGrid::create() : openvdb::gridConstPtrCast<FloatGrid>(held.grid())),
+    explicit Channel(const VolumeGrid& each)
+        : plane_(each.plane()),
+          grid_(plane_ ? FloatGrid::create() : openvdb::gridConstPtrCast<FloatGrid>(each.grid())),
           values_(grid_->getConstAccessor()) {}
 
     bool is_active(const openvdb::Coord& at) const {
@@ -53,11 +53,11 @@ std::optional<PictureScene> picture_in(const Volume& volume, const FloatGrid::Co
     if (depth.empty()) return std::nullopt;
     PictureScene out{{}, depth == "half" || depth == "float" || depth == "double"};
     const auto names = colours_of(volume.given_names());
-    for (const auto& held : volume.grids) {
-        if (!held.header().isType<FloatGrid>()) continue;
+    for (const auto& each : volume.grids) {
+        if (!each.header().isType<FloatGrid>()) continue;
         for (std::size_t n = 0; n < 3; ++n)
-            if (held.name() == (names.empty() ? shown->getName() : names[n]))
-                out.channels[n] = held;
+            if (each.name() == (names.empty() ? shown->getName() : names[n]))
+                out.channels[n] = each;
     }
     for (auto& channel : out.channels)
         if (!channel) channel = VolumeGrid(shown);
@@ -66,8 +66,8 @@ std::optional<PictureScene> picture_in(const Volume& volume, const FloatGrid::Co
 
 openvdb::CoordBBox PictureScene::box() const {
     openvdb::CoordBBox out;
-    for (const auto& held : channels) {
-        const auto active = held.plane() ? held.plane()->box : held->evalActiveVoxelBoundingBox();
+    for (const auto& each : channels) {
+        const auto active = each.plane() ? each.plane()->box : each->evalActiveVoxelBoundingBox();
         if (!active.empty()) out.expand(active);
     }
     return out;

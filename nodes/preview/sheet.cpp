@@ -82,14 +82,6 @@ std::vector<SheetRequest::Show> shows_of(const Several<Rows>& rows) {
     return out;
 }
 
-/// @param there  names of the grids of the input
-void require_grid(const char* input, const std::string& name,
-                  const std::vector<std::string>& there) {
-    if (!find_name(there, name))
-        throw Failure(
-            fmt::format("'{}' has no grid '{}'{}", input, name, did_you_mean(name, there)));
-}
-
 openvdb::GridBase::ConstPtr grid_of(const Volume& volume, const char* input,
                                     const std::string& name) {
     require_grid(input, name, volume.given_names());

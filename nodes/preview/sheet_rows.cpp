@@ -48,7 +48,7 @@ void draw_change(const openvdb::GridBase& before, const openvdb::GridBase& after
         out.note = "no difference";
 }
 
-std::string size_text(const openvdb::CoordBBox& box) {
+std::string box_text(const openvdb::CoordBBox& box) {
     if (box.empty()) return {};
     const auto [x, y, z] = extents_of(box);
     return fmt::format("{} x {} x {} voxels", x, y, z);
@@ -172,7 +172,7 @@ SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<
     const auto show = [&](const openvdb::GridBase& grid, const openvdb::CoordBBox& active) {
         const auto box = part(active);
         // If the grid is shown in another way, too, that row states the size.
-        if (kind.how != Show::slice || request_.shows.size() == 1) out.caption = size_text(active);
+        if (kind.how != Show::slice || request_.shows.size() == 1) out.caption = box_text(active);
         if (!active.empty()) out.active = face_of(active, view);
         if (kind.how == Show::render) return;
         draw_maximum(grid, view, box, out);
@@ -216,7 +216,7 @@ std::string SheetRows::name_of(const Kind& kind) const {
                                      : "seams over energy";
 }
 
-std::string SheetRows::text_of(const Kind& kind, int plane) const {
+std::string SheetRows::caption(const Kind& kind, int plane) const {
     const char axis = "xyz"[static_cast<int>(request_.view)];
     const auto slice = fmt::format("slice at {} = {}", axis, plane);
     if (kind.how == Show::render)
@@ -264,7 +264,7 @@ SheetPage SheetRows::page(std::size_t total, const std::function<void(double)>& 
                            : kind.what == Kind::What::energy     ? SheetRow::Scale::energy
                            : kind.what == Kind::What::difference ? SheetRow::Scale::change
                                                                  : SheetRow::Scale::value;
-        out.rows.push_back({name_of(kind), text_of(kind, plane), scale, std::move(panels_[row])});
+        out.rows.push_back({name_of(kind), caption(kind, plane), scale, std::move(panels_[row])});
     }
     return out;
 }

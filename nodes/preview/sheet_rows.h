@@ -77,7 +77,7 @@ private:
     SheetPanel panel(const Kind& kind, const Shown& frame, std::optional<int> plane) const;
     void require_room(const Shown& frame) const;
     std::string name_of(const Kind& kind) const;
-    std::string text_of(const Kind& kind, int plane) const;
+    std::string caption(const Kind& kind, int plane) const;
 
     SheetRequest request_;
     std::vector<Kind> kinds_;

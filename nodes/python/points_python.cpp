@@ -67,7 +67,7 @@ PointTable read_columns(Worker& worker, const Json& answer, const PointTable& li
         const auto type = static_cast<NumberType>(
             std::ranges::find(numpy_types, each.at("type").get<std::string>()) -
             numpy_types.begin());
-        const auto bytes = out.size * size_of(type), at = each.at("at").get<std::uint64_t>();
+        const auto bytes = out.size * bytes_of(type), at = each.at("at").get<std::uint64_t>();
         const auto* const data =
             reinterpret_cast<const char*>(worker.answered.seen(at + bytes)) + at;
         const auto* const before = like.column(name);

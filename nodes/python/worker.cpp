@@ -77,7 +77,7 @@ struct SpawnAttributes {
     }
     ~SpawnAttributes() { posix_spawnattr_destroy(&attributes); }
 };
-/// The attributes with which the process is started.
+/// The words and the environment with which the process starts.
 struct CommandLine {
     std::vector<std::string> words, settings;
     std::vector<char*> arguments, environment;
@@ -107,6 +107,17 @@ void close_if_open(int& file) {
     if (file >= 0) close(file);
     file = -1;
 }
+
+/// Descriptors that are closed at the end of a block.
+struct Descriptors {
+    std::vector<int> files;
+    Descriptors() = default;
+    Descriptors(const Descriptors&) = delete;
+    Descriptors& operator=(const Descriptors&) = delete;
+    ~Descriptors() {
+        for (int& file : files) close_if_open(file);
+    }
+};
 
 /// The end of what the process has printed: a dump of the stack comes last.
 std::string end_of(int log) {
@@ -143,8 +154,8 @@ std::string place_in(const std::string& dump, const std::string& script) {
 Worker::Worker(const std::string& interpreter, const std::string& script,
                const WorkerLimits& limits, const WorkerHost& host)
     : interpreter_(interpreter), script_(script) {
-    start();
     try {
+        start();
         call({{"open", script}}, limits, host);
     } catch (...) {
         // No destructor runs if the constructor throws.
@@ -162,39 +173,37 @@ Worker::~Worker() {
 void Worker::start() {
     const auto package = shared_folder("python");
     std::array<int, 2> sockets{}, life{};
+    Descriptors handed_over;
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets.data()) != 0)
         refuse_start(interpreter_, errno);
     socket_ = sockets[0];
+    handed_over.files.push_back(sockets[1]);
     if (pipe2(life.data(), O_CLOEXEC) != 0) refuse_start(interpreter_, errno);
     life_ = life[1];
+    handed_over.files.push_back(life[0]);
     log_ = memfd_create("fluidcarve log", MFD_CLOEXEC);
     if (log_ < 0) refuse_start(interpreter_, errno);
     fcntl(log_, F_SETFL, O_APPEND);
 
     // Descriptors above those that the process gets, so that none is overwritten before it is
     // handed over.
-    std::vector<int> above;
+    Descriptors above;
     for (const int file : {sockets[1], given.descriptor(), answered.descriptor(), life[0], log_})
-        above.push_back(fcntl(file, F_DUPFD_CLOEXEC, first_descriptor + 8));
+        above.files.push_back(fcntl(file, F_DUPFD_CLOEXEC, first_descriptor + 8));
     FileActions files;
     posix_spawn_file_actions_addopen(&files.actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     for (int n = 0; n < 4; ++n)
-        posix_spawn_file_actions_adddup2(&files.actions, above[static_cast<std::size_t>(n)],
+        posix_spawn_file_actions_adddup2(&files.actions, above.files[static_cast<std::size_t>(n)],
                                          first_descriptor + n);
     for (const int file : {STDOUT_FILENO, STDERR_FILENO})
-        posix_spawn_file_actions_adddup2(&files.actions, above.back(), file);
+        posix_spawn_file_actions_adddup2(&files.actions, above.files.back(), file);
 
     SpawnAttributes how;
     CommandLine line(interpreter_, package);
     const int error = posix_spawnp(&process_, interpreter_.c_str(), &files.actions, &how.attributes,
                                    line.arguments.data(), line.environment.data());
-    for (const int file : above) close(file);
-    close(sockets[1]);
-    close(life[0]);
     if (error == 0) return;
     process_ = -1;
-    end();
-    close_if_open(log_);
     refuse_start(interpreter_, error);
 }
 

@@ -198,16 +198,16 @@ std::string signed_percent(double share) {
     return fmt::format("{:+.1f} %", tenths == 0 ? 0.0 : tenths / 10);
 }
 
-std::string size_of(const openvdb::BBoxd& box) {
+std::string box_text(const openvdb::BBoxd& box) {
     const auto size = box.empty() ? Vec3d(0) : box.extents();
     return fmt::format("{:.3g} x {:.3g} x {:.3g}", size.x(), size.y(), size.z());
 }
 
 std::string line_of(const std::string& name, const GridResult& grid) {
-    const auto size = size_of(grid.before.box);
+    const auto size = box_text(grid.before.box);
     if (grid.gone()) return fmt::format("{} {} -> nothing", name, size);
     if (grid.same) return fmt::format("{} {}, nothing changed", name, size);
-    auto out = fmt::format("{} {} -> {}, mass {}", name, size, size_of(grid.after.box),
+    auto out = fmt::format("{} {} -> {}, mass {}", name, size, box_text(grid.after.box),
                            signed_percent(grid.change()));
     if (grid.after.highest)
         out +=

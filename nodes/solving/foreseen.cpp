@@ -27,7 +27,7 @@ std::string placement_fault(const Region& energy, const Region* lattice) {
     return fmt::format(
         "the lattice misses the data: it lies within {}, but the files that `energy` comes from "
         "have voxels, by their headers, only from {}; {}",
-        text_of(around(lattice->boxes)), text_of(around(energy.boxes)),
+        to_text(around(lattice->boxes)), to_text(around(energy.boxes)),
         better != lattice->otherwise.end() ? fmt::format("with {} they meet", better->how)
                                            : "move the lattice (its rig, or `min` and `max`) or "
                                              "the data (`translate` and `scale` of its reader)");

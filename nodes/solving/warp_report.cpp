@@ -33,7 +33,7 @@ Json warp_report(const Seams& set, const WarpParams& params, const WarpAmount* a
     Json out{{"axis", to_text(set.axis)},
              {"shape", {set.shape[0], set.shape[1], set.shape[2], set.frames.size()}}};
     if (!amount || !amount->varies()) out["amount"] = set.warp ? set.warp->scale() : 0.0;
-    else if (params.amount) out["amount"] = text_of(*amount);
+    else if (params.amount) out["amount"] = to_text(*amount);
     else out["amounts"] = amounts_in(set, *amount);
     if (set.warp) out["factor"] = set.warp->factor();
     out["steepest"] = set.warp ? steepest(*set.warp) : 0.0;

@@ -20,7 +20,7 @@ FrameSet frames_of(const FarmStep& step) {
 }
 
 /// "about 1.2 min, 4 cores, 2.3 GB, writes 1.2 GB".
-std::string text_of(const FarmResources& resources) {
+std::string to_text(const FarmResources& resources) {
     std::vector<std::string> out;
     if (resources.seconds > 0) out.push_back("about " + duration_text(resources.seconds));
     if (resources.cores > 0)
@@ -73,7 +73,7 @@ std::string to_text(const FarmJob& job) {
         if (step.chunked)
             out += fmt::format("  frames {} in {}\n", frames_of(step).text(),
                                counted(step.tasks.size(), "task"));
-        out += fmt::format("  a task: {}\n  {}\n", text_of(step.resources),
+        out += fmt::format("  a task: {}\n  {}\n", to_text(step.resources),
                            shell_line(command_of(job, step, step.tasks.front())));
     }
     return out;

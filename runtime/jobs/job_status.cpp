@@ -144,7 +144,7 @@ std::string joined(const Json& names) {
     return out;
 }
 
-std::string text_of(const Json& job) {
+std::string job_text(const Json& job) {
     auto out = fmt::format("{} ({}, {}): {}\n\n", job["job"].get<std::string>(),
                            job["pipeline"].get<std::string>(), job["engine"].get<std::string>(),
                            job["state"].get<std::string>());
@@ -190,7 +190,7 @@ std::string job_status_text(const std::string& work_folder, bool json) {
         return json_text(out, 2) + "\n";
     }
     std::string out;
-    for (const auto& job : jobs) out += text_of(job) + "\n";
+    for (const auto& job : jobs) out += job_text(job) + "\n";
     if (!jobs.empty() && recorded_runs(work_folder + "/runs").empty()) return out;
     return out + status_text(work_folder);
 }

@@ -188,7 +188,7 @@ const std::array<std::pair<Work, const char*>, work_kinds> names_of_work{
     {Work::load, "load"},
     {Work::once, "once"}};
 
-json json_of(const WorkTime& cost) {
+json to_json(const WorkTime& cost) {
     return {{"seconds", cost.seconds},      {"abreast", cost.at.abreast},
             {"cores", cost.at.cores},       {"input_bytes", cost.at.input_bytes},
             {"gathered", cost.at.gathered}, {"items", cost.at.items},
@@ -296,7 +296,7 @@ void History::set_cost(const std::string& node, const NodeCost& cost, std::uint6
     for (const auto& [work, name] : names_of_work)
         if (auto measured = cost[work]) {
             measured->at.input_bytes = input_bytes;
-            known[name] = json_of(*measured);
+            known[name] = to_json(*measured);
         }
     if (cost.bytes > 0) known["result"] = {{"bytes", cost.bytes}, {"input_bytes", input_bytes}};
 }

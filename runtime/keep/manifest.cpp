@@ -100,7 +100,7 @@ Manifest::Entries entries_in(const std::string& path) {
     return out;
 }
 
-std::string text_of(const Manifest::Entries& entries) {
+std::string to_text(const Manifest::Entries& entries) {
     auto out = fmt::format("{}\n", first_line);
     for (const auto& [path, entry] : entries)
         out += fmt::format("{}{}{}{}{}\n", entry.hash.text(), gap, entry.size, gap, escaped(path));
@@ -239,7 +239,7 @@ Manifest::Counts Manifest::save() {
     auto all = entries_in(path_);
     for (const auto& [name, met] : met_)
         compare(name, met.entry, all.try_emplace(name, met.entry).first->second);
-    OutputFile::write(path_, text_of(all));
+    OutputFile::write(path_, to_text(all));
     return out;
 }
 

@@ -13,9 +13,9 @@
 #include "runtime/run/run_end.h"
 #include "runtime/run/status.h"
 #include "runtime/run/steps.h"
-#include "runtime/tell/breakdown.h"
 #include "runtime/tell/outcome.h"
 #include "runtime/tell/terminal.h"
+#include "runtime/tell/uncaught.h"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>

@@ -119,7 +119,7 @@ std::string head_of(const Json& run) {
                        run.value("state", ""), seconds, run.value("pid", 0), run.value("host", ""));
 }
 
-std::string text_of(const Json& run) {
+std::string run_text(const Json& run) {
     auto out = head_of(run) + "\n";
     std::vector<std::vector<std::string>> rows{
         {"node", "type", "frames", "cached", "done", "gathering", "why it runs"}};
@@ -257,7 +257,7 @@ std::string status_text(const std::string& folder) {
         std::ranges::any_of(runs, [](const Json& run) { return run["state"] == "running"; });
     for (const auto& run : runs) {
         const bool whole = alive ? run["state"] == "running" : &run == &runs.front();
-        if (whole) out += (out.empty() ? "" : "\n") + text_of(run);
+        if (whole) out += (out.empty() ? "" : "\n") + run_text(run);
         else others += head_of(run);
     }
     return out + (others.empty() ? "" : "\nearlier:\n" + others);

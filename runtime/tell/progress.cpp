@@ -177,7 +177,11 @@ void Progress::show(bool always) {
     if (style_ == ProgressStyle::plain)
         return put(fmt::format("{:3.0f} %, {}\n", fraction * 100, status));
     if (style_ == ProgressStyle::openjd) {
-        fmt::print("openjd_progress: {:.1f}\nopenjd_status: {}\n", fraction * 100, status);
+        // Not fmt::print: it throws if stdout is a file on a full disk.
+        std::fputs(
+            fmt::format("openjd_progress: {:.1f}\nopenjd_status: {}\n", fraction * 100, status)
+                .c_str(),
+            stdout);
         std::fflush(stdout);
         return;
     }

@@ -19,7 +19,7 @@
 #include "carve/solver/costs/sample.h"
 #include "carve/solver/greedy.h"
 #include "carve/solver/pyramid.h"
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 #include "formats/vdb/vdb_file.h"
 #include "graph/build_pipeline.h"
 #include "nodes/catalogue.h"

@@ -89,7 +89,7 @@ Value& node_of(Document& document, const std::string& name) {
     return field->value;
 }
 
-const std::string& text_of(Value& node, const std::string& field) {
+const std::string& to_text(Value& node, const std::string& field) {
     const auto* const found = node.find(field);
     if (!found)
         throw std::runtime_error(fmt::format("a node without '{}' where one is looked for", field));
@@ -136,7 +136,7 @@ Carved record(Document document, const Registry& registry, const std::string& in
     set(node, "type", "look.record");
     set(node, "before", input);
     set(node, "after", "carved");
-    set(node, "lattice", text_of(node_of(document, "seams"), "lattice"));
+    set(node, "lattice", to_text(node_of(document, "seams"), "lattice"));
     set(document.nodes, "look_record", std::move(node));
     run(document, registry, "look_record", scratch);
     return std::exchange(recorded, {});
@@ -171,7 +171,7 @@ void price_empty_space(Document& document, Value& seams, const std::string& fiel
     set(seen, "field", field);
     set(seen, "above", "0.02");
     set(energy, "type", "mask.weight");
-    set(energy, "energy", text_of(seams, "energy"));
+    set(energy, "energy", to_text(seams, "energy"));
     set(energy, "masks", list_value({"look_seen"}, document.mark));
     set(energy, "weights", list_value({"0.3"}, document.mark));
     set(energy, "outside", "0.5");
@@ -201,7 +201,7 @@ void make_classical(Document& document, const Registry& registry) {
     keep_what_is_of(*registry.node("seam.greedy"), seams);
     if (!seen.empty()) price_empty_space(document, node_of(document, "seams"), seen);
     for (auto& [name, mark, node] : document.nodes.fields) {
-        const auto type = text_of(node, "type");
+        const auto type = to_text(node, "type");
         const auto* const known = registry.node(type);
         if (!known || !(type.starts_with("seam.") || type.starts_with("remap."))) continue;
         for (const auto& [param, value] :
@@ -233,7 +233,7 @@ Carved carve_otherwise(const Shot& shot, const Change& change) {
     const auto registry = registry_of_looks();
     auto& seams = node_of(document, "seams");
     change(seams);
-    keep_what_is_of(*registry.node(text_of(seams, "type")), seams);
+    keep_what_is_of(*registry.node(to_text(seams, "type")), seams);
     auto out = record(document, registry, shot.scene.input, scratch);
     out.windows = windows_of(document);
     return out;
@@ -253,7 +253,7 @@ void give_what_is_left(Document& document, const std::vector<Ref<Lattice>>& latt
     Value node;
     node.mark = document.mark;
     set(node, "type", "look.lattice");
-    set(document.nodes, text_of(node_of(document, "seams"), "lattice"), std::move(node));
+    set(document.nodes, to_text(node_of(document, "seams"), "lattice"), std::move(node));
 }
 
 /// What is seen in a frame.
@@ -393,7 +393,7 @@ std::optional<Carved> carve_by_both(const Shot& shot, const std::string& count) 
     set(chosen, "type", "seams.choose");
     set(chosen, "seams", "seams");
     set(chosen, "field", field->value.text);
-    set(chosen, "lattice", text_of(rest, "lattice"));
+    set(chosen, "lattice", to_text(rest, "lattice"));
     set(rest, "type", "warp.solve");
     set(rest, "amount", count);
     set(rest, "rest", "true");

@@ -50,7 +50,7 @@ public:
         return with_tile(source_.bytes, source_.places, at(Part::tile_count), x, y, z);
     }
     /// The place of a text of the file's metadata.
-    const Place& text_of(const std::string& name) const {
+    const Place& to_text(const std::string& name) const {
         const auto named = source_.bytes.find(name);
         const auto found = std::find_if(
             source_.places.begin(), source_.places.end(),
@@ -156,9 +156,9 @@ void write_corpus(const std::string& folder, const Sources& sources) {
 
     const Vdb seams(sources.seams.front());
     write("seams-shape_huge.vdb",
-          seams.retold(seams.text_of("fluidcarve_shape"), "65535,65535,65535,65535"));
+          seams.retold(seams.to_text("fluidcarve_shape"), "65535,65535,65535,65535"));
     write("seams-frames_millions.vdb",
-          seams.retold(seams.text_of("fluidcarve_frames"), "-2147483648-2147483647"));
+          seams.retold(seams.to_text("fluidcarve_frames"), "-2147483648-2147483647"));
 
     write("mesh-faces_billions.ply",
           "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float "

@@ -1,5 +1,5 @@
 #include "formats/mesh_file/mesh_file.h"
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 #include "formats/vdb/vdb_file.h"
 #include "tests/support/program.h"
 

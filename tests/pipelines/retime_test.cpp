@@ -1,4 +1,4 @@
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 #include "tests/support/program.h"
 
 #include <fmt/format.h>

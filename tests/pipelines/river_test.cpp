@@ -8,7 +8,7 @@
 #include "carve/seam/carve_map.h"
 #include "formats/geometry_file/curve_file.h"
 #include "formats/mesh_file/mesh_file.h"
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 #include "formats/seam_file/seam_file.h"
 #include "formats/vdb/vdb_file.h"
 #include "tests/support/program.h"

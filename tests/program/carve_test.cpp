@@ -209,14 +209,14 @@ TEST_CASE("carve says that a count of nothing carves nothing") {
 }
 
 TEST_CASE("carve --axis w goes along the axis that points up, and keeps the foot in place") {
-    const auto text_of = [](const std::string& arguments) {
+    const auto to_text = [](const std::string& arguments) {
         return fluidcarve_program("carve " + arguments + " -10% -o x.####.vdb --print-pipeline")
             .out;
     };
-    const auto lower = text_of(plume + " --axis w"), along = text_of(plume + " --axis z");
+    const auto lower = to_text(plume + " --axis w"), along = to_text(plume + " --axis z");
     CHECK_THAT(lower, Catch::StartsWith("# Lower smoke, along z: seams leave "));
     CHECK(lower.substr(lower.find('\n')) == along.substr(along.find('\n')));
-    CHECK_THAT(text_of(plume + " --axis w"), Catch::Contains("anchor: low"));
+    CHECK_THAT(to_text(plume + " --axis w"), Catch::Contains("anchor: low"));
 }
 
 TEST_CASE("carve takes images", "[long]") {

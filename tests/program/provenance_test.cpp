@@ -171,7 +171,7 @@ TEST_CASE("images of each format state what made them, and TIFF does not") {
     CHECK(tiff.code == 3);
     CHECK(tiff.err == "failed: " + (scratch / "e.tif") +
                           " is no file that states what made it; those are VDB, PNG, JPEG, EXR, "
-                          "PLY and OBJ files\n");
+                          "PLY, OBJ and USDA files\n");
 }
 
 TEST_CASE("check and plan tell where inputs are found and where outputs go") {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "carve/solver/costs/code.h"
-#include "carve/solver/costs/volume.h"
+#include "carve/solver/costs/energy_volume.h"
 
 #include <tbb/parallel_for.h>
 

@@ -6,8 +6,8 @@
 #include "formats/geometry_file/curve_file.h"
 #include "formats/geometry_file/ply.h"
 #include "formats/mesh_file/mesh_file.h"
-#include "formats/points_file/file.h"
 #include "formats/points_file/ply.h"
+#include "formats/points_file/points_file.h"
 #include "tools/inspect/facts.h"
 
 #include <fmt/format.h>

@@ -18,11 +18,11 @@ Provenance read_provenance(const std::string& path) {
     const auto start = file.head(8);
     const auto begins = [&](std::string_view text) { return start.starts_with(text); };
     if (begins(" BDV"sv)) return provenance_in(read_vdb_header(path).metadata);
-    if (begins("ply\n") || begins("ply\r") || ending_of(path) == ".obj")
+    if (begins("ply\n") || begins("ply\r") || begins("#usda") || ending_of(path) == ".obj")
         return provenance_of_comments(file);
     if (!begins("\x89PNG") && !begins("\xff\xd8\xff") && !begins("\x76\x2f\x31\x01"))
         throw Failure(fmt::format("{} is no file that states what made it; those are VDB, PNG, "
-                                  "JPEG, EXR, PLY and OBJ files",
+                                  "JPEG, EXR, PLY, OBJ and USDA files",
                                   path),
                       Failure::Kind::input);
     return provenance_of_image(file);

@@ -1,7 +1,6 @@
 #include "tools/verbs/arguments.h"
 
 #include "carve/base/frame_set.h"
-#include "carve/base/one_line.h"
 #include "formats/file/confinement.h"
 #include "graph/types/frame_files.h"
 #include "graph/views/provenance.h"
@@ -20,11 +19,6 @@
 
 namespace fluidcarve {
 namespace {
-
-void put(const std::string& text, std::FILE* to) {
-    const auto shown = printable(text);
-    std::fwrite(shown.data(), 1, shown.size(), to);
-}
 
 /// Parses "8G", "500M", "1.5 GiB" into bytes. Units are powers of 1024.
 std::optional<std::uint64_t> parse_size(const std::string& text) {
@@ -216,12 +210,6 @@ ProgressStyle style_of(const std::string& progress, bool quiet) {
 
 }  // namespace
 
-void print(const std::string& text) { put(text, stdout); }
-void complain(const std::string& text) {
-    if (told_as_events()) return tell_event(text, "failure");
-    put(text, stderr);
-}
-
 void PipelineArguments::declare(CLI::App& verb) {
     verb.add_option("pipeline", path,
                     "Pipeline file (YAML). Its relative inputs are looked for in the folder of the "
@@ -358,43 +346,6 @@ std::optional<RunRequest> RunArguments::read(const Pipeline& pipeline) {
         if (const auto fault = take(*this, pipeline); !fault.empty())
             return complain(fault + "\n"), std::nullopt;
     request.progress = style_of(progress, request.quiet);
-    return request;
-}
-
-void DiffArguments::declare(CLI::App& verb) {
-    request.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-    const auto number = [&](const char* name, double& value, const char* doc) {
-        verb.add_option(name, value, doc)->check(CLI::NonNegativeNumber);
-    };
-    for (const auto& [name, path] : {std::pair("a", &request.a), std::pair("b", &request.b)})
-        verb.add_option(name, *path, "A file, a sequence such as smoke.####.vdb, or a folder")
-            ->required()
-            ->type_name(name[0] == 'a' ? "A" : "B");
-    frames_option = verb.add_option("-f,--frames", frames,
-                                    "Compare only these frames (default: all that are there)")
-                        ->type_name("FRAMES");
-    number("--fail", request.tolerance.absolute,
-           "The difference of two values that still passes (default: 0)");
-    number("--relative", request.tolerance.relative,
-           "The same, as a share of the greater value; the greater of both counts "
-           "(default: 0)");
-    number("--fail-percent", request.fail_percent,
-           "The percentage of a grid's voxels in a frame that may differ by more (default: 0)");
-    number("--warn", request.tolerance.warn,
-           "Count the values that differ by more than this, at most --fail, and warn of them");
-    verb.add_option("--picture", request.picture,
-                    "Draw slices of A, B and their difference through the voxel that differs most")
-        ->type_name("FILE.png");
-    verb.add_option("--threads", request.threads,
-                    "Threads, and frames compared at once (default: all cores)")
-        ->check(CLI::Range(1, 4096))
-        ->envname("FLUIDCARVE_THREADS");
-}
-
-DiffRequest DiffArguments::read(bool json) {
-    if (frames_option->count() > 0) request.frames = frames;
-    request.json = json;
-    request.memory = half_of_memory();
     return request;
 }
 

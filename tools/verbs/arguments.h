@@ -3,7 +3,7 @@
 #include "graph/build_pipeline.h"
 #include "graph/types/registry.h"
 #include "runtime/run/run.h"
-#include "tools/verbs/diff.h"
+#include "tools/verbs/print.h"
 
 #include <algorithm>
 #include <optional>
@@ -17,11 +17,6 @@ class Option;
 }  // namespace CLI
 
 namespace fluidcarve {
-
-/// Prints a result to stdout.
-void print(const std::string& text);
-/// Prints a message to stderr.
-void complain(const std::string& text);
 
 /// Arguments of all verbs that take a pipeline.
 struct PipelineArguments {
@@ -42,7 +37,7 @@ struct PipelineArguments {
     std::optional<Pipeline> read_or_complain(Registry& registry) const;
 };
 
-/// Arguments of the verbs that run a pipeline: `run`, `plan` and `view`.
+/// Arguments of the verbs that run, plan or schedule a pipeline.
 struct RunArguments {
     std::string frames;
     std::string only;
@@ -67,17 +62,6 @@ struct RunArguments {
 
     /// Checks the arguments. Prints a message and returns nothing if one is wrong.
     std::optional<RunRequest> read(const Pipeline& pipeline);
-};
-
-/// Arguments of the verb `diff`.
-struct DiffArguments {
-    std::string frames;
-    DiffRequest request;
-    const CLI::Option* frames_option = nullptr;
-
-    void declare(CLI::App& verb);
-
-    DiffRequest read(bool json);
 };
 
 }  // namespace fluidcarve

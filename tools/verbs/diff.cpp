@@ -4,10 +4,10 @@
 #include "carve/base/frame_set.h"
 #include "carve/base/one_line.h"
 #include "carve/base/words.h"
-#include "graph/text/json_text.h"
 #include "runtime/tell/exit_codes.h"
 #include "tools/compare/files.h"
 #include "tools/verbs/comparison.h"
+#include "tools/verbs/print.h"
 
 #include <tbb/global_control.h>
 #include <tbb/parallel_pipeline.h>
@@ -15,6 +15,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -242,15 +243,10 @@ private:
             text += fmt::format("only in {}: {}\n", side, sequence);
             all["alone"].push_back({{"in", side}, {"path", sequence}});
         }
-        if (request_.json) text = json_text(all, 2) + "\n";
-        std::fwrite(text.data(), 1, text.size(), stdout);
+        if (request_.json) print_json(all);
+        else print(text);
         std::fflush(stdout);
-        for (const auto& fault : faults_) complain_of(fault);
-    }
-
-    static void complain_of(const std::string& fault) {
-        const auto line = fmt::format("failed: {}\n", one_line(fault));
-        std::fwrite(line.data(), 1, line.size(), stderr);
+        for (const auto& fault : faults_) complain(fmt::format("failed: {}\n", one_line(fault)));
     }
 
     void draw() const {
@@ -261,12 +257,9 @@ private:
                 if (pair.comparer->draw && part.sums.worst &&
                     (!worst || part.sums.peak > worst->sums.peak))
                     from = &pair, worst = &part;
-        if (!worst) {
-            const auto line = fmt::format(
-                "{} is not written: no values of grids or images differ\n", request_.picture);
-            std::fwrite(line.data(), 1, line.size(), stderr);
-            return;
-        }
+        if (!worst)
+            return complain(fmt::format("{} is not written: no values of grids or images differ\n",
+                                        request_.picture));
         const bool per_frame = from->comparison.per_frame();
         // One file is that of frame 1, which it has by any number.
         const auto files = from->files(per_frame ? worst->worst_frame : 1);
@@ -292,17 +285,52 @@ private:
 
 }  // namespace
 
-int diff_files(const DiffRequest& request) {
-    const auto wrong = [](const std::string& message, int code) {
-        std::fwrite(message.data(), 1, message.size(), stderr);
-        return code;
+void DiffArguments::declare(CLI::App& verb) {
+    request.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    const auto number = [&](const char* name, double& value, const char* doc) {
+        verb.add_option(name, value, doc)->check(CLI::NonNegativeNumber);
     };
+    for (const auto& [name, path] : {std::pair("a", &request.a), std::pair("b", &request.b)})
+        verb.add_option(name, *path, "A file, a sequence such as smoke.####.vdb, or a folder")
+            ->required()
+            ->type_name(name[0] == 'a' ? "A" : "B");
+    frames_option = verb.add_option("-f,--frames", frames,
+                                    "Compare only these frames (default: all that are there)")
+                        ->type_name("FRAMES");
+    number("--fail", request.tolerance.absolute,
+           "The difference of two values that still passes (default: 0)");
+    number("--relative", request.tolerance.relative,
+           "The same, as a share of the greater value; the greater of both counts "
+           "(default: 0)");
+    number("--fail-percent", request.fail_percent,
+           "The percentage of a grid's voxels in a frame that may differ by more (default: 0)");
+    number("--warn", request.tolerance.warn,
+           "Count the values that differ by more than this, at most --fail, and warn of them");
+    verb.add_option("--picture", request.picture,
+                    "Draw slices of A, B and their difference through the voxel that differs most")
+        ->type_name("FILE.png");
+    verb.add_option("--threads", request.threads,
+                    "Threads, and frames compared at once (default: all cores)")
+        ->check(CLI::Range(1, 4096))
+        ->envname("FLUIDCARVE_THREADS");
+}
+
+DiffRequest DiffArguments::read(bool json) {
+    if (frames_option->count() > 0) request.frames = frames;
+    request.json = json;
+    request.memory = half_of_memory();
+    return request;
+}
+
+int diff_files(const DiffRequest& request) {
     try {
         return Diff(request).run();
     } catch (const WrongUse& fault) {
-        return wrong(fmt::format("{}\n", fault.what()), exit_code::usage);
+        complain(fmt::format("{}\n", fault.what()));
+        return exit_code::usage;
     } catch (const Failure& failure) {
-        return wrong(fmt::format("failed: {}\n", one_line(failure.what())), exit_code::of(failure));
+        complain(fmt::format("failed: {}\n", one_line(failure.what())));
+        return exit_code::of(failure);
     }
 }
 

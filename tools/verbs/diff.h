@@ -6,6 +6,11 @@
 #include <optional>
 #include <string>
 
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
 namespace fluidcarve {
 
 /// What `diff` is asked for.
@@ -19,6 +24,17 @@ struct DiffRequest {
     int threads = 1;
     std::uint64_t memory = 0;  ///< bytes that a grid may take
     bool json = false;
+};
+
+/// Arguments of the verb `diff`.
+struct DiffArguments {
+    std::string frames;
+    DiffRequest request;
+    const CLI::Option* frames_option = nullptr;
+
+    void declare(CLI::App& verb);
+
+    DiffRequest read(bool json);
 };
 
 /// The verb `diff`: compares two sequences frame by frame, several frames at once, each part of

@@ -1,15 +1,14 @@
 #include "tools/verbs/explain.h"
 
 #include "carve/base/one_line.h"
-#include "graph/text/json_text.h"
 #include "runtime/tell/exit_codes.h"
 #include "tools/provenance/read_provenance.h"
+#include "tools/verbs/print.h"
 #include "tools/verbs/read_confined.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <cstdio>
 #include <span>
 
 namespace fluidcarve {
@@ -31,21 +30,20 @@ int explain_file(const std::string& path, bool json, std::uint64_t memory) {
     if (json) {
         Json out{{"file", path}, {"provenance", found && !found->empty() ? *found : Json()}};
         if (!found) out["error"] = fault;
-        std::fputs((json_text(out, 2) + "\n").c_str(), stdout);
+        print_json(out);
     } else if (!found) {
-        std::fputs(fmt::format("failed: {}\n", one_line(fault)).c_str(), stderr);
+        complain(fmt::format("failed: {}\n", one_line(fault)));
     } else if (found->empty()) {
-        std::fputs(fmt::format("{} does not state what made it: no run of fluidcarve wrote it, or "
-                               "one with 'provenance: false'\n",
-                               one_line(path))
-                       .c_str(),
-                   stderr);
+        complain(
+            fmt::format("{} does not state what made it: no run of fluidcarve wrote it, or "
+                        "one with 'provenance: false'\n",
+                        one_line(path)));
     } else {
         // A file may state anything: none of it reaches a terminal but as a line of text.
         std::string out = one_line(path) + "\n";
         for (const auto& [name, text] : found->items())
             out += fmt::format("  {:<9} {}\n", name + ":", one_line(text.get<std::string>()));
-        std::fputs(out.c_str(), stdout);
+        print(out);
     }
     return found && !found->empty() ? exit_code::done : exit_code::input;
 }

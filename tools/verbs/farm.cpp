@@ -1,15 +1,14 @@
 #include "tools/verbs/farm.h"
 
 #include "carve/base/words.h"
-#include "graph/text/json_text.h"
 #include "graph/text/shell_word.h"
 #include "graph/views/provenance.h"
 #include "runtime/jobs/engines.h"
 #include "runtime/jobs/job_status.h"
 #include "runtime/jobs/plan_farm.h"
 #include "runtime/run/interrupt.h"
-#include "runtime/tell/breakdown.h"
 #include "runtime/tell/terminal.h"
+#include "runtime/tell/uncaught.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -143,8 +142,7 @@ FarmChunking chunking_of(const FarmArguments& arguments, const FarmEngine& engin
 int hand_over(const FarmJob& job, const FarmEngine& engine, const FarmArguments& arguments,
               bool quiet, const Interrupt& interrupt) {
     if (arguments.dry_run)
-        return print(arguments.json ? json_text(to_json(job), 2) + "\n" : to_text(job)),
-               exit_code::done;
+        return arguments.json ? print_json(to_json(job)) : print(to_text(job)), exit_code::done;
     record_job(job, engine.name);
     auto asked = arguments.request;
     asked.chunk_ranges = !arguments.no_chunk_extension;

@@ -3,9 +3,9 @@
 #include "carve/base/frame_set.h"
 #include "carve/base/one_line.h"
 #include "carve/base/words.h"
-#include "graph/text/json_text.h"
 #include "runtime/run/run.h"
 #include "tools/inspect/inspectors.h"
+#include "tools/verbs/print.h"
 #include "tools/verbs/read_confined.h"
 #include "tools/verbs/sequences.h"
 #include "tools/verbs/summary.h"
@@ -24,11 +24,6 @@ namespace fluidcarve {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Not fmt::print: it throws if the output is a file on a full disk.
-void tell(std::FILE* where, const std::string& text) {
-    std::fwrite(text.data(), 1, text.size(), where);
-}
 
 /// The verb at work: prints what it looks at, and keeps it for JSON.
 class Inspection {
@@ -59,7 +54,7 @@ public:
         }
         if (seen.empty()) return;
         if (!sequence.per_frame()) {
-            if (!json_) tell(stdout, inspector.text(seen.front().facts));
+            if (!json_) print(inspector.text(seen.front().facts));
             alone_[&inspector].push_back(std::move(seen.front().facts));
             return;
         }
@@ -69,14 +64,14 @@ public:
     /// Compares the files that are alone, and prints what is left. @return an exit code
     int finish() {
         for (const auto& inspector : inspectors()) note(inspector, alone_[&inspector]);
-        if (json_) tell(stdout, json_text(all_, 2) + "\n");
+        if (json_) print_json(all_);
         return code_;
     }
 
     /// @param entry  of the file, for JSON; null: none
     void fail(const std::string& fault, Json entry = {}) {
         std::fflush(stdout);
-        if (!json_) tell(stderr, fmt::format("failed: {}\n", one_line(fault)));
+        if (!json_) complain(fmt::format("failed: {}\n", one_line(fault)));
         if (!entry.is_null()) all_["files"].push_back(std::move(entry));
         else all_["notes"].push_back(fault);
         code_ = exit_code::input;
@@ -85,10 +80,9 @@ public:
     void tell_of(const std::string& folder, std::size_t others) {
         all_["folders"].push_back({{"folder", folder}, {"other_files", others}});
         if (!json_ && others > 0)
-            tell(stdout,
-                 fmt::format("{}: {} not looked at\n", folder,
-                             others == 1 ? "1 file of another kind is"
-                                         : fmt::format("{} files of other kinds are", others)));
+            print(fmt::format("{}: {} not looked at\n", folder,
+                              others == 1 ? "1 file of another kind is"
+                                          : fmt::format("{} files of other kinds are", others)));
     }
 
 private:
@@ -103,9 +97,9 @@ private:
         if (!json_) {
             auto titled = summary;
             titled["file"] = fmt::format("{}, {}", there.text(), counted(seen.size(), "file"));
-            tell(stdout, inspector.text(titled));
+            print(inspector.text(titled));
             for (const auto& change : summary["changes"])
-                tell(stdout, fmt::format("  changes: {}\n", change.get<std::string>()));
+                print(fmt::format("  changes: {}\n", change.get<std::string>()));
         }
         entry.update(summary);
         all_["sequences"].push_back(std::move(entry));
@@ -116,7 +110,7 @@ private:
 
     void note(const FileInspector& inspector, const std::vector<Json>& files) {
         for (const auto& note : inspector.compare(files)) {
-            if (!json_) tell(stdout, fmt::format("note: {}\n", note));
+            if (!json_) print(fmt::format("note: {}\n", note));
             all_["notes"].push_back(note);
         }
     }
@@ -186,9 +180,9 @@ int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_
     std::error_code ignored;
     for (const auto& path : paths)
         if (!std::filesystem::is_directory(path, ignored) && !can_inspect(path)) {
-            tell(stderr,
-                 fmt::format("inspect reads files that end in {}, and folders of them, not {}\n",
-                             all_endings(), path));
+            complain(
+                fmt::format("inspect reads files that end in {}, and folders of them, not {}\n",
+                            all_endings(), path));
             return exit_code::usage;
         }
     Inspection inspection(json, memory);
@@ -198,7 +192,7 @@ int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_
             in_order.take(path);
         } catch (const Failure& failure) {
             if (failure.kind != Failure::Kind::input)
-                return tell(stderr, fmt::format("{}\n", failure.what())), exit_code::usage;
+                return complain(fmt::format("{}\n", failure.what())), exit_code::usage;
             inspection.fail(failure.what());
         }
     }

@@ -49,17 +49,16 @@ int nodes(const NodesArguments& arguments, const Registry& registry) {
     const auto& [type, json, markdown] = arguments;
     const auto families = registry.families();
     if (std::find(families.begin(), families.end(), type) != families.end()) {
-        print(json       ? family_to_json(registry, type)
-              : markdown ? family_to_markdown(registry, type)
-                         : listing(registry, type));
+        if (json) print_json(family_to_json(registry, type));
+        else print(markdown ? family_to_markdown(registry, type) : listing(registry, type));
     } else if (!type.empty()) {
         const auto* const found = registry.node(type);
         if (!found) return complain(no_node_type(type, registry)), exit_code::usage;
-        print(json       ? to_json(registry, *found)
-              : markdown ? to_markdown(registry, *found)
-                         : describe(registry, *found));
+        if (json) print_json(to_json(registry, *found));
+        else print(markdown ? to_markdown(registry, *found) : describe(registry, *found));
     } else {
-        print(json ? to_json(registry) : markdown ? to_markdown(registry) : listing(registry));
+        if (json) print_json(to_json(registry));
+        else print(markdown ? to_markdown(registry) : listing(registry));
     }
     return exit_code::done;
 }

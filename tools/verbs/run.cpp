@@ -44,14 +44,14 @@ int check(const PipelineArguments& arguments, bool json, bool verbose, bool open
     const auto document = read_document(arguments.path, arguments.settings, problems, open);
     const auto pipeline = arguments.build(document, registry, problems);
     if (!problems.empty())
-        return json ? print(to_json(problems)) : complain(to_text(problems)), exit_code::usage;
+        return json ? print_json(to_json(problems)) : complain(to_text(problems)), exit_code::usage;
     const auto values = [&] {
         auto out = value_sources_of(document, registry);
         out.files = file_places(pipeline);
         return out;
     };
     const auto warnings = warnings_of(pipeline);
-    if (json) return print(verbose ? to_json(values()) : to_json(warnings)), exit_code::done;
+    if (json) return print_json(verbose ? to_json(values()) : to_json(warnings)), exit_code::done;
     complain(to_text(warnings));
     print(fmt::format("{}: good; {}, {}\n", arguments.path, counted(pipeline.nodes.size(), "node"),
                       counted(pipeline.frames.frames().size(), "frame")));

@@ -3,9 +3,9 @@
 #include "graph/views/provenance.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/run/preparation.h"
-#include "runtime/tell/breakdown.h"
 #include "runtime/tell/outcome.h"
 #include "runtime/tell/report.h"
+#include "runtime/tell/uncaught.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>

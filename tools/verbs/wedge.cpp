@@ -35,7 +35,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string text_of(const Combination& combination) {
+std::string to_text(const Combination& combination) {
     std::vector<std::string> out;
     for (const auto& [target, value] : combination)
         out.push_back(fmt::format("{}={}", target, value));
@@ -267,7 +267,7 @@ bool execute_all(std::vector<WedgeRun>& runs, RunArguments& arguments, const Reg
         auto& run = *order[place];
         if (!arguments.request.quiet)
             complain(
-                fmt::format("{} of {}: {}\n", place + 1, order.size(), text_of(run.combination)));
+                fmt::format("{} of {}: {}\n", place + 1, order.size(), to_text(run.combination)));
         if (!execute(run, arguments, registry, interrupt)) return code = exit_code::usage, false;
         if (run.code == exit_code::interrupted) return code = run.code, false;
         if (code == exit_code::done) code = run.code;

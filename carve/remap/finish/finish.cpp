@@ -47,8 +47,8 @@ public:
     Finisher(const Volume& carved, const Lattice& given, const CarveMap& map, const Finish& finish)
         : lattice_(map.extended(given)), map_(map), finish_(finish) {
         const bool level_sets = renormalizes() && map.soft() &&
-                                std::ranges::any_of(carved.grids, [](const VolumeGrid& held) {
-                                    return is_level_set(held.header());
+                                std::ranges::any_of(carved.grids, [](const VolumeGrid& each) {
+                                    return is_level_set(each.header());
                                 });
         if (finish.densities.empty() && !finish.transform_vectors && !level_sets) return;
         mapping_.emplace(lattice_, map.reach());
@@ -56,26 +56,26 @@ public:
     }
 
     /// @param source  the grid before the carve
-    /// @param held    the carved grid; becomes the finished one
-    void finish(const VolumeGrid& source, VolumeGrid& held) const {
-        if (is_level_set(held.header()) && renormalizes() && held != source) renew_distances(held);
-        if (std::ranges::count(finish_.densities, held.name()) > 0)
-            held = held.holding(mass_kept(source, held, places_of(held.header()), *derivative_));
+    /// @param each    the carved grid; becomes the finished one
+    void finish(const VolumeGrid& source, VolumeGrid& each) const {
+        if (is_level_set(each.header()) && renormalizes() && each != source) renew_distances(each);
+        if (std::ranges::count(finish_.densities, each.name()) > 0)
+            each = each.holding(mass_kept(source, each, places_of(each.header()), *derivative_));
         if (!finish_.transform_vectors) return;
-        if (is_vectors(held.header()))
-            held = vectors_turned(held, places_of(held.header()), *derivative_);
-        if (is_point_grid(held.header())) {
+        if (is_vectors(each.header()))
+            each = vectors_turned(each, places_of(each.header()), *derivative_);
+        if (is_point_grid(each.header())) {
             Points points;
-            points.grid = held.grid();
-            held = held.holding(vectors_turned(points, *derivative_).grid);
+            points.grid = each.grid();
+            each = each.holding(vectors_turned(points, *derivative_).grid);
         }
     }
 
     /// Turns vectors in three parts.
     void turn_triplets(const Volume& carved, Volume& out) const {
-        for (const auto& held : carved.grids) {
-            const auto triplet = triplet_of(carved, held.header());
-            if (!triplet || VolumeGrid(triplet->components[0]) != held) continue;
+        for (const auto& each : carved.grids) {
+            const auto triplet = triplet_of(carved, each.header());
+            if (!triplet || VolumeGrid(triplet->components[0]) != each) continue;
             const auto whole = merged(*triplet);
             const auto parts = split(vectors_turned(whole, places_of(*whole), *derivative_));
             for (std::size_t c = 0; c < 3; ++c)
@@ -88,11 +88,11 @@ private:
     CarvedPlaces places_of(const openvdb::GridBase& grid) const {
         return {lattice_, map_.reach(), grid.transform(), grid.transform()};
     }
-    void renew_distances(VolumeGrid& held) const {
-        auto grid = held.grid();
+    void renew_distances(VolumeGrid& each) const {
+        auto grid = each.grid();
         if (derivative_ && derivative_->exact())
-            held = grid = squeezed_smooth(grid, places_of(*grid), *derivative_);
-        if (can_renormalize(*grid)) held = renormalized(grid, places_of(*grid), map_);
+            each = grid = squeezed_smooth(grid, places_of(*grid), *derivative_);
+        if (can_renormalize(*grid)) each = renormalized(grid, places_of(*grid), map_);
         else if (finish_.renormalize)
             throw Failure(
                 fmt::format("level set '{}' can't be renormalized: its voxels are not cubes, "

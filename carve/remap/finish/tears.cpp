@@ -118,9 +118,9 @@ std::vector<Tear> find_tears(const Volume& volume, const Lattice& given, const C
     const auto is_density = [](const auto& grid) { return grid.name() == "density"; };
     const bool by_density = std::any_of(volume.grids.begin(), volume.grids.end(), is_density);
     std::vector<Tear> out;
-    for (const auto& held : volume.grids) {
-        if (by_density && !is_density(held)) continue;
-        const auto grid = held.grid();
+    for (const auto& each : volume.grids) {
+        if (by_density && !is_density(each)) continue;
+        const auto grid = each.grid();
         const auto look = [&](const auto& values) {
             for (int axis = 0; axis < (lattice.closed ? 2 : 3); ++axis)
                 for (const bool high : {false, true}) {

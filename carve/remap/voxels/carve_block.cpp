@@ -27,8 +27,8 @@ void CarveBlock::Table::fill_smooth(const CarveStep& step) {
                   static_cast<std::size_t>(size[2]));
     auto* out = smooth.data();
     float least = std::numeric_limits<float>::max(), most = std::numeric_limits<float>::lowest();
-    const auto held = [&](int i) { return std::clamp(i, first[0], first[0] + size[0]); };
-    const int from = held(soft.first()), end = held(soft.last() + 1);
+    const auto clamped = [&](int i) { return std::clamp(i, first[0], first[0] + size[0]); };
+    const int from = clamped(soft.first()), end = clamped(soft.last() + 1);
     each_column(step, [&](int lateral, int k) {
         const auto column = soft.column(lateral, k);
         auto* const begin = out;

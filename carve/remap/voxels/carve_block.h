@@ -148,8 +148,8 @@ inline std::optional<CarveBlock::Rigid> CarveBlock::rigid_at(openvdb::Vec3d at) 
         const auto& table = tables_[n];
         if (step.soft()) {
             const double by = smooth(n, at), source = at[axis] + scale * by,
-                         held = step.held(source);
-            const double scaled = held == source ? scale * by : held - at[axis];
+                         clamped = step.clamped(source);
+            const double scaled = clamped == source ? scale * by : clamped - at[axis];
             at[axis] += scaled;
             out.by[axis] += scaled;
             out.fades = out.fades || scale < 1;

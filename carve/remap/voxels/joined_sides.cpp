@@ -18,7 +18,7 @@ template <class Displacement>
 void stretch(const CarveStep& step, const Displacement& by, openvdb::Vec3d& at) {
     if (!step.holds(at)) return;
     const double scale = step.scale(at);
-    if (step.carves(at, scale)) at[step.axis()] = step.held(at[step.axis()] + scale * by(at));
+    if (step.carves(at, scale)) at[step.axis()] = step.clamped(at[step.axis()] + scale * by(at));
 }
 
 /// Adds the sides that a side shows through a step.
@@ -30,7 +30,7 @@ void pass_step(const CarveStep& step, const Displacement& by, const JoinedSides:
     const double scale = step.holds(side.at) ? step.scale(side.at) : 0;
     const auto add = [&](double moved, double weight) {
         auto next = side;
-        next.at[axis] = step.held(side.at[axis] + scale * moved);
+        next.at[axis] = step.clamped(side.at[axis] + scale * moved);
         next.weight *= weight;
         to.push_back(next);
     };
@@ -62,11 +62,11 @@ void JoinedSides::find(const openvdb::Vec3d& at) {
             return;
         }
         const int axis = step.axis();
-        stretched_[axis] = step.held(at[axis] + scale * displacement(0, at));
+        stretched_[axis] = step.clamped(at[axis] + scale * displacement(0, at));
         step.joins()->sides(at, of_step_);
         sides_.resize(of_step_.size(), sides_.front());
         for (std::size_t n = 0; n < of_step_.size(); ++n) {
-            sides_[n].at[axis] = step.held(at[axis] + scale * of_step_[n].by);
+            sides_[n].at[axis] = step.clamped(at[axis] + scale * of_step_[n].by);
             sides_[n].weight = of_step_[n].weight;
         }
         return;

@@ -394,7 +394,7 @@ private:
                 return out.add(nothing, false, weight);
             }
             if (step.soft()) {
-                l[axis] = step.held(u + scale * block_.smooth(count - 1, l));
+                l[axis] = step.clamped(u + scale * block_.smooth(count - 1, l));
                 continue;
             }
 

@@ -1,6 +1,6 @@
 #include "carve/remap/voxels/soft_block.h"
 
-#include "carve/vectors/eight.h"
+#include "carve/simd/eight.h"
 
 #include <span>
 

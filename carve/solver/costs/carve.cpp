@@ -60,7 +60,7 @@ void each_warp_source(const CarveStep& step, int lateral, int slice, const Visit
             continue;
         }
         const double source =
-            step.held(entry + static_cast<double>(step.soft()->entry(entry, lateral, slice))) -
+            step.clamped(entry + static_cast<double>(step.soft()->entry(entry, lateral, slice))) -
             step.origin();
         const int from = static_cast<int>(source);
         visit(from, static_cast<float>(source - from));

@@ -1,6 +1,6 @@
 #include "carve/solver/costs/decode.h"
 
-#include "carve/vectors/wide.h"
+#include "carve/simd/wide.h"
 
 #include <bit>
 #include <cstddef>

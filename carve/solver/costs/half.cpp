@@ -1,8 +1,8 @@
 #include "carve/solver/costs/half.h"
 
+#include "carve/simd/wide.h"
 #include "carve/solver/costs/code.h"
 #include "carve/solver/costs/decode.h"
-#include "carve/vectors/wide.h"
 
 #include <tbb/parallel_for.h>
 

@@ -105,7 +105,7 @@ std::vector<std::string> mask_warnings(const MarkCounts& marks) {
         if (marked == std::size_t{0})
             out.push_back(
                 fmt::format("`{}` is set around no vertex of the lattice: nothing is {}ed{}", name,
-                            name, missed ? "; its " + text_of(*missed) : std::string()));
+                            name, missed ? "; its " + to_text(*missed) : std::string()));
     };
     look("protect", marks.protect, marks.protect_missed);
     look("attract", marks.attract, marks.attract_missed);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "carve/field/shown_part.h"
-#include "carve/solver/costs/volume.h"
+#include "carve/solver/costs/energy_volume.h"
 
 #include <array>
 

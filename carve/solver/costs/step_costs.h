@@ -1,8 +1,8 @@
 #pragma once
 
+#include "carve/simd/wide.h"
 #include "carve/solver/costs/field_columns.h"
 #include "carve/solver/costs/lanes.h"
-#include "carve/vectors/wide.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "carve/solver/costs/volume.h"
+#include "carve/solver/costs/energy_volume.h"
 
 namespace fluidcarve {
 

@@ -1,13 +1,13 @@
 #include "carve/solver/search/bound.h"
 
 #include "carve/base/frame_store.h"
+#include "carve/simd/wide.h"
 #include "carve/solver/costs/decode.h"
 #include "carve/solver/search/bound_column.h"
 #include "carve/solver/search/bound_messages.h"
 #include "carve/solver/search/coarse.h"
 #include "carve/solver/search/columns.h"
 #include "carve/solver/search/wavefront.h"
-#include "carve/vectors/wide.h"
 
 #include <tbb/parallel_for.h>
 

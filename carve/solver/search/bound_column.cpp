@@ -36,8 +36,8 @@ FLUIDCARVE_INLINE void send(const float* part, const float* here, const float* t
         if constexpr (edges) {
             const auto from = eight_at(here + i), above = eight_at(there + i - 1),
                        below = eight_at(there + i + 1);
-            rise += price.rigid(from, above) + weight * size_of(above - from);
-            fall += price.rigid(from, below) + weight * size_of(from - below);
+            rise += price.rigid(from, above) + weight * absolute(above - from);
+            fall += price.rigid(from, below) + weight * absolute(from - below);
         }
         auto beside = least(rise, fall);
         if constexpr (!edges) beside += eight_of(price.rigidity);

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "carve/simd/eight.h"
 #include "carve/solver/costs/step_costs.h"
-#include "carve/vectors/eight.h"
 
 #include <bit>
 #include <cstddef>

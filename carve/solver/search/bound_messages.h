@@ -1,10 +1,10 @@
 #pragma once
 
 #include "carve/base/frame_store.h"
+#include "carve/simd/wide.h"
 #include "carve/solver/search/bound_column.h"
 #include "carve/solver/search/columns.h"
 #include "carve/solver/search/wavefront.h"
-#include "carve/vectors/wide.h"
 
 #include <tbb/parallel_for.h>
 

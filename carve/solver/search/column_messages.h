@@ -1,6 +1,6 @@
 #pragma once
 
-#include "carve/vectors/eight.h"
+#include "carve/simd/eight.h"
 
 namespace fluidcarve {
 

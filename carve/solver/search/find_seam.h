@@ -2,7 +2,7 @@
 
 #include "carve/seam/seams.h"
 #include "carve/seam/window.h"
-#include "carve/solver/costs/volume.h"
+#include "carve/solver/costs/energy_volume.h"
 #include "carve/solver/search/seam_bounds.h"
 
 #include <functional>

@@ -1,8 +1,8 @@
 #include "carve/solver/search/open_line.h"
 
+#include "carve/simd/wide.h"
 #include "carve/solver/costs/decode.h"
 #include "carve/solver/search/strip.h"
-#include "carve/vectors/wide.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>

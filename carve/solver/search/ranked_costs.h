@@ -2,7 +2,7 @@
 
 #include "carve/solver/costs/code.h"
 #include "carve/solver/costs/decode.h"
-#include "carve/solver/costs/volume.h"
+#include "carve/solver/costs/energy_volume.h"
 
 #include <algorithm>
 #include <bit>

@@ -2,8 +2,8 @@
 
 #include "carve/base/limits.h"
 #include "carve/seam/window.h"
+#include "carve/solver/costs/energy_volume.h"
 #include "carve/solver/costs/slab_prices.h"
-#include "carve/solver/costs/volume.h"
 #include "carve/solver/search/find_seam.h"
 
 #include <cstdint>

@@ -83,8 +83,8 @@ FLUIDCARVE_INLINE Eight sent(const Pass& pass, const Eight& costs, std::size_t f
     const auto here = eight_at(pass.fields + from * (pass.width + 2) + 1 - off),
                above = eight_at(there), below = eight_at(there + 2),
                weight = eight_of(price.weight);
-    rise += price.rigid(here, above) + weight * size_of(here - above);
-    fall += price.rigid(here, below) + weight * size_of(here - below);
+    rise += price.rigid(here, above) + weight * absolute(here - above);
+    fall += price.rigid(here, below) + weight * absolute(here - below);
     return least(stay, least(rise, fall));
 }
 

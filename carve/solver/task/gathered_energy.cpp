@@ -2,11 +2,11 @@
 
 #include "carve/base/failure.h"
 #include "carve/field/active_range.h"
+#include "carve/simd/wide.h"
 #include "carve/solver/costs/carve.h"
 #include "carve/solver/costs/eddies.h"
 #include "carve/solver/costs/half.h"
 #include "carve/solver/costs/turned.h"
-#include "carve/vectors/wide.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

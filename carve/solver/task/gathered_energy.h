@@ -4,11 +4,11 @@
 #include "carve/base/values.h"
 #include "carve/field/same_transform.h"
 #include "carve/solver/costs/code.h"
-#include "carve/solver/costs/frame.h"
+#include "carve/solver/costs/energy_volume.h"
+#include "carve/solver/costs/frame_energy.h"
 #include "carve/solver/costs/marks.h"
 #include "carve/solver/costs/prices.h"
 #include "carve/solver/costs/slab_prices.h"
-#include "carve/solver/costs/volume.h"
 #include "carve/solver/task/params.h"
 #include "carve/solver/task/space.h"
 

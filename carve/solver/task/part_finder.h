@@ -1,7 +1,7 @@
 #pragma once
 
 #include "carve/base/limits.h"
-#include "carve/solver/costs/volume.h"
+#include "carve/solver/costs/energy_volume.h"
 #include "carve/solver/search/find_seams.h"
 #include "carve/solver/task/space.h"
 #include "carve/solver/task/task.h"

@@ -35,7 +35,7 @@ Window window_of(const std::string& name, const Auto<VertexRange>& stated, Axis 
                  int size, bool carved) {
     if (!stated) return {first, size - 1};
     const auto out = stated->of(size);
-    const auto text = text_of(*stated);
+    const auto text = to_text(*stated);
     if (out.first < first)
         throw Failure(
             fmt::format("{} {} holds the rig, vertex 0, where the lattice's columns meet, so that "
@@ -54,7 +54,7 @@ void require_vertex_left(const SolverParams& params, int size, bool carved) {
     const auto window = params.window ? params.window->of(size) : Window{0, size - 1};
     const bool all = window.first == 0 && window.last == size - 1;
     if (params.best_effort || removed < size || !all) return;
-    const auto count = text_of(params.count);
+    const auto count = to_text(params.count);
     const auto what = [&](bool one) {
         return params.axis == Axis::t ? std::string(one ? "frame" : "frames")
                                       : fmt::format("{} along {}{}", one ? "vertex" : "vertices",

@@ -142,6 +142,7 @@ TEST_CASE(
     const Scratch scratch;
     const auto root = std::filesystem::canonical(scratch.path()).string(),
                path = root + "/new/r.json";
+    flushed.clear();
     OutputFile::write(path, "unsynced");
     CHECK(flushed.empty());
     OutputFile::sync_commits(true);

@@ -65,7 +65,7 @@ TEST_CASE("numbers of PLY go to bytes in both orders and back, and stay within t
     const auto there_and_back = [](double number, NumberType type, bool swap) {
         std::string bytes;
         put_number(bytes, number, type, swap);
-        CHECK(bytes.size() == size_of(type));
+        CHECK(bytes.size() == bytes_of(type));
         return number_in(bytes.data(), type, swap);
     };
     for (const bool swap : {false, true}) {

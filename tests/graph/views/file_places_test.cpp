@@ -41,7 +41,7 @@ nodes:
     const auto plain = to_text(sources);
     sources.files = places;
     CHECK(to_text(sources) == plain + "\n" + to_text(places));
-    const auto json = nlohmann::json::parse(to_json(sources))["files"];
+    const auto json = nlohmann::json(to_json(sources))["files"];
     CHECK(json["count.path"] ==
           nlohmann::json{{"path", scratch / "in.####.txt"}, {"writes", false}, {"found", true}});
     CHECK(json["other.path"]["found"] == false);

@@ -113,7 +113,7 @@ params:
 nodes:
   count: {type: toy.count, path: "in, ${name}.txt"}
 )");
-    CHECK(cut(scratch, to_json(sources(path))) == R"({
+    CHECK(cut(scratch, to_json(sources(path)).dump(2) + "\n") == R"({
   "frames": {
     "value": "1",
     "from": "default"

@@ -8,7 +8,7 @@
 #include "carve/remap/geometry/points.h"
 #include "carve/remap/grid.h"
 #include "carve/sdf/from_points.h"
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 #include "formats/vdb/vdb_file.h"
 #include "nodes/energy.h"
 #include "nodes/sdf.h"

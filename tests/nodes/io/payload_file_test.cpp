@@ -4,7 +4,7 @@
 #include "carve/seam/seams.h"
 #include "carve/stream/binary.h"
 #include "formats/mesh_file/mesh_file.h"
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 #include "tests/support/filed.h"
 #include "tests/support/point_lists.h"
 #include "tests/support/scratch.h"

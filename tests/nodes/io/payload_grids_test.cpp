@@ -2,7 +2,7 @@
 #include "carve/stream/openvdb_types.h"
 #include "carve/stream/raw_grid.h"
 #include "carve/volume/triplet.h"
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 #include "formats/vdb/vdb_file.h"
 #include "tests/support/filed.h"
 #include "tests/support/grid_bytes.h"

@@ -358,6 +358,6 @@ TEST_CASE("a reader says before a run where the voxels of all frames lie, in the
     };
     // A voxel more on all sides.
     REQUIRE(region({1, 2, 3}).boxes.size() == 1);
-    CHECK(text_of(region({1, 2, 3}).boxes[0]) == "(11, -1, -1) to (16, 2, 2)");
+    CHECK(to_text(region({1, 2, 3}).boxes[0]) == "(11, -1, -1) to (16, 2, 2)");
     CHECK(region({3}).boxes.empty());
 }

@@ -187,13 +187,13 @@ TEST_CASE("lattices say before a run where they will lie") {
                                   "{spacing: 1, extent_u: [-3, 1], extent_v: [0, 4]}", {{"rig", 1}})
                             .foresee({{"rig", line}})
                             .outputs;
-    CHECK(text_of(built.boxes.at(0)) == "(-5, -5, -5) to (14, 5, 5)");
-    CHECK(text_of(built.otherwise.at(0).boxes.at(0)) == "(-5, -5, -5) to (5, 14, 5)");
+    CHECK(to_text(built.boxes.at(0)) == "(-5, -5, -5) to (14, 5, 5)");
+    CHECK(to_text(built.otherwise.at(0).boxes.at(0)) == "(-5, -5, -5) to (5, 14, 5)");
     const auto stated =
         *NodeBench(lattice_box(), "{min: [0, 1, 2], max: [3, 4, 5], spacing: 1}").foresee().outputs;
-    CHECK(text_of(stated.boxes.at(0)) == "(0, 1, 2) to (3, 4, 5)");
+    CHECK(to_text(stated.boxes.at(0)) == "(0, 1, 2) to (3, 4, 5)");
     NodeBench fitted(lattice_box(), "{}", {{"fit", 1}});
-    CHECK(text_of(fitted.foresee({{"fit", line}}).outputs->boxes.at(0)) ==
+    CHECK(to_text(fitted.foresee({{"fit", line}}).outputs->boxes.at(0)) ==
           "(0, 0, 0) to (9, 0, 0)");
     CHECK(!fitted.foresee().outputs);
 }

@@ -310,7 +310,7 @@ TEST_CASE("a lattice is the same a million units away") {
         if (moved.oval) moved.oval->center += far;
         auto settings = spec(0.0555556, {-0.2, 0.2}, {-0.3, 0.3});
         for (settings.around = false;; settings.around = true) {
-            INFO(text_of(rig));
+            INFO(to_text(rig));
             const auto here = build_lattice(rig, settings).lattice,
                        there = build_lattice(moved, settings).lattice;
             REQUIRE(here.shape == there.shape);

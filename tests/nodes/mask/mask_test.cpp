@@ -66,7 +66,7 @@ TEST_CASE("an empty mask of a threshold says what was wanted and what there was"
                               .at("mask")
                               .as<MaskGrid>();
         const auto missed = missed_range(*mask);
-        return missed ? text_of(*missed) : std::string();
+        return missed ? to_text(*missed) : std::string();
     };
     CHECK(noted("{above: 7}", ramp()) ==
           "mask.threshold marks values from 7, but the field has 0 to 5 only");

@@ -61,7 +61,7 @@ std::vector<Texts> rows(const UsdaValue& value) {
 
 TEST_CASE("a mesh goes to USD with its faces, UVs, colours, velocities and other attributes") {
     const Scratch scratch;
-    const auto losses = write_mesh_usda(scratch / "a.usda", painted(), nullptr, std::nullopt);
+    const auto losses = write_mesh_usda(scratch / "a.usda", painted(), nullptr, std::nullopt, {});
     CHECK(losses == Texts{"'odd' of faces are not written: .usda has no type for them"});
     const auto file = UsdaReader::read(Scratch::read(scratch / "a.usda"));
     CHECK(file.metadata.at("defaultPrim").text == "geometry");

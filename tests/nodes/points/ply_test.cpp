@@ -1,6 +1,6 @@
 #include "formats/points_file/ply.h"
 #include "carve/stream/openvdb_types.h"
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 #include "nodes/points.h"
 #include "tests/support/files/point_files.h"
 #include "tests/support/grid_bytes.h"

@@ -1,6 +1,6 @@
 #include "nodes/points.h"
 #include "carve/stream/openvdb_types.h"
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 #include "formats/vdb/vdb_file.h"
 #include "nodes/vdb.h"
 #include "tests/support/files/point_files.h"
@@ -351,7 +351,7 @@ TEST_CASE(
     const auto keep = [&](std::uint32_t source, bool moved, const Vec3d& to) {
         images.push_back({source, moved, to});
         for (std::size_t c = 0; c < ply.columns.size(); ++c) {
-            const auto size = size_of(ply.columns[c].type);
+            const auto size = bytes_of(ply.columns[c].type);
             const auto from =
                 ply.columns[c].values.begin() + static_cast<std::ptrdiff_t>(source * size);
             wanted.columns[c].values.insert(wanted.columns[c].values.end(), from,

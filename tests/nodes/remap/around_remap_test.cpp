@@ -88,7 +88,7 @@ std::optional<Vec3d> source_of(const CarveMap& map, Vec3d at) {
     const int low = static_cast<int>(at.x());
     const double part = at.x() - low, below = columns.displacement(low),
                  above = part > 0 ? columns.displacement(low + 1) : below;
-    at.x() = step.held(at.x() + below + part * (above - below));
+    at.x() = step.clamped(at.x() + below + part * (above - below));
     return at;
 }
 

@@ -2,7 +2,7 @@
 
 #include "carve/remap/geometry/points.h"
 #include "carve/remap/grid.h"
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 #include "nodes/remap.h"
 #include "tests/support/bent_lattices.h"
 #include "tests/support/grid_bytes.h"

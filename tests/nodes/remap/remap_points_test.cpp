@@ -1,6 +1,6 @@
 #include "carve/remap/geometry/points.h"
 #include "carve/remap/grid.h"
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 #include "nodes/remap.h"
 #include "tests/nodes/remap/remap_points_cases.h"
 #include "tests/support/bent_lattices.h"

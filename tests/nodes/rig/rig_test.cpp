@@ -299,10 +299,10 @@ TEST_CASE(
     const auto region =
         NodeBench(rig_curve(), "{path: " + line + ", axes: z_to_y}").survey({1}).regions.at("rig");
     REQUIRE(region.boxes.size() == 1);
-    CHECK(text_of(region.boxes[0]) == text_of(Region::Box{{0, 0, -2}, {1, 3, 0}}));
+    CHECK(to_text(region.boxes[0]) == to_text(Region::Box{{0, 0, -2}, {1, 3, 0}}));
     REQUIRE(region.otherwise.size() == 2);
     CHECK(region.otherwise[0].how == "`axes: as_is` in rig.curve");
-    CHECK(text_of(around(region.otherwise[0].boxes)) == text_of(Region::Box{{0, 0, 0}, {1, 2, 3}}));
+    CHECK(to_text(around(region.otherwise[0].boxes)) == to_text(Region::Box{{0, 0, 0}, {1, 2, 3}}));
     CHECK(region.otherwise[1].how == "`axes: y_to_z` in rig.curve");
     CHECK(around(region.otherwise[1].boxes).low[1] == -3);
 }
@@ -318,13 +318,13 @@ TEST_CASE("rigs say before a run where they will lie") {
     const auto still =
         *NodeBench(rig_points(), "{points: [[0, 0, 0], [0, 4, 0], [1, 6, 0]]}").foresee().outputs;
     REQUIRE(still.boxes.size() == 2);
-    CHECK(text_of(still.boxes[1]) == "(0, 4, 0) to (1, 6, 0)");
+    CHECK(to_text(still.boxes[1]) == "(0, 4, 0) to (1, 6, 0)");
     const auto moving =
         *NodeBench(rig_points(), "{frames: {1: [[0, 0, 0], [0, 4, 0]], 9: [[5, 0, 0], [5, 4, 1]]}}")
              .foresee()
              .outputs;
     REQUIRE(moving.boxes.size() == 1);
-    CHECK(text_of(moving.boxes[0]) == "(0, 0, 0) to (5, 4, 1)");
+    CHECK(to_text(moving.boxes[0]) == "(0, 0, 0) to (5, 4, 1)");
     CHECK(region_of(through({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}, true)).boxes.size() == 3);
 
     const Region lines{{{{0, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {3, 1, 1}}},
@@ -334,11 +334,11 @@ TEST_CASE("rigs say before a run where they will lie") {
     };
     const auto moved = changed("{scale: 2, pivot: [1, 0, 0], translate: [0, 0, 1], extend: 0.5}");
     REQUIRE(moved.boxes.size() == 2);
-    CHECK(text_of(moved.boxes[0]) == "(-1.5, -0.5, 0.5) to (1.5, 2.5, 3.5)");
-    CHECK(text_of(moved.otherwise.at(0).boxes.at(0)) == "(-1.5, -0.5, 0.5) to (-0.5, 0.5, 3.5)");
+    CHECK(to_text(moved.boxes[0]) == "(-1.5, -0.5, 0.5) to (1.5, 2.5, 3.5)");
+    CHECK(to_text(moved.otherwise.at(0).boxes.at(0)) == "(-1.5, -0.5, 0.5) to (-0.5, 0.5, 3.5)");
     const auto smooth = changed("{smooth: 1}");
     REQUIRE(smooth.boxes.size() == 1);
-    CHECK(text_of(smooth.boxes[0]) == "(0, 0, 0) to (3, 1, 1)");
+    CHECK(to_text(smooth.boxes[0]) == "(0, 0, 0) to (3, 1, 1)");
     CHECK(!NodeBench(rig_transform(), "{smooth: 1}").foresee().outputs);
 }
 
@@ -384,7 +384,7 @@ TEST_CASE(
           "a circle of radius 2 around (1, 0, 0) is closed: it has no ends to 'extend'");
     const auto larger = run("{scale: 3, translate: [0, 5, 0]}", circle);
     REQUIRE(larger.oval);
-    CHECK(text_of(larger) == "a circle of radius 6 around (3, 5, 0)");
+    CHECK(to_text(larger) == "a circle of radius 6 around (3, 5, 0)");
     CHECK((larger.oval->at(0.7) - (3.0 * circle->oval->at(0.7) + Vec3d(0, 5, 0))).length() < 1e-12);
     const auto round = run("{smooth: 2}", circle);
     CHECK(!round.oval);

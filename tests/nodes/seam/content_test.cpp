@@ -1,6 +1,6 @@
 #include "carve/solver/costs/content.h"
 #include "carve/rig/circle.h"
-#include "carve/solver/costs/frame.h"
+#include "carve/solver/costs/frame_energy.h"
 #include "tests/support/built_lattices.h"
 #include "tests/support/solver_bench.h"
 

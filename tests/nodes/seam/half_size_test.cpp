@@ -1,4 +1,4 @@
-#include "carve/solver/costs/frame.h"
+#include "carve/solver/costs/frame_energy.h"
 #include "carve/solver/costs/half.h"
 #include "carve/solver/greedy.h"
 #include "carve/solver/pyramid.h"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "carve/points/point_grid.h"
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/point_lists.h"
 
@@ -38,7 +38,7 @@ inline const std::string typical_ascii =
 inline std::string row(const PointTable& points, std::size_t n) {
     std::string out;
     for (const auto& column : points.columns) {
-        const auto size = size_of(column.type);
+        const auto size = bytes_of(column.type);
         out.append(column.values.data() + n * size, size);
     }
     return out;

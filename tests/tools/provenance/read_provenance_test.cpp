@@ -1,10 +1,11 @@
 #include "tools/provenance/read_provenance.h"
 
 #include "formats/file/module.h"
+#include "formats/geometry_file/usda.h"
 #include "formats/image/image_provenance.h"
 #include "formats/image/image_volume.h"
 #include "formats/mesh_file/mesh_file.h"
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 #include "formats/vdb/provenance_metadata.h"
 #include "formats/vdb/vdb_file.h"
 #include "nodes/preview/canvas.h"
@@ -201,4 +202,17 @@ TEST_CASE("files that state nothing, are damaged or of another kind are told fro
     CHECK_THAT(told("a.vdb", " BDV" + std::string(4, '\0')), Catch::Contains("a.vdb"));
     CHECK(failure_of([&] { read_provenance(scratch / "none.vdb"); }) ==
           (scratch / "none.vdb") + " does not exist");
+}
+
+TEST_CASE("a USD file states its provenance in comments behind its first line") {
+    const Scratch scratch;
+    const auto path = scratch / "a.usda";
+    const std::string text = "#usda 1.0\n(\n)\n\n# a hand\n";
+    write_usda(path, text, first);
+    CHECK(read_provenance(path) == first);
+    const auto written = Scratch::read(path);
+    CHECK(written.starts_with("#usda 1.0\n# fluidcarve_version: 0.1.0\n"));
+    CHECK(written.ends_with("\n(\n)\n\n# a hand\n"));
+    write_usda(path, text, {});
+    CHECK(Scratch::read(path) == text);
 }

@@ -1,5 +1,5 @@
 #include "carve/solver/costs/field_columns.h"
-#include "carve/solver/costs/volume.h"
+#include "carve/solver/costs/energy_volume.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/scratch.h"
 

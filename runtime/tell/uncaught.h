@@ -8,7 +8,7 @@ namespace fluidcarve {
 /// The message for an uncaught exception: if the system refused something, that and a remedy; else
 /// that it is a fault of the program. Several lines.
 /// @param error  null: no exception of the standard library
-std::string breakdown_text(const std::exception* error);
+std::string uncaught_text(const std::exception* error);
 
 /// Makes std::terminate end the program with exit_code::node_failed and the text of the current
 /// exception, in place of a signal. Exceptions that leave a library's thread, or a destructor,

@@ -1,4 +1,4 @@
-#include "carve/solver/costs/frame.h"
+#include "carve/solver/costs/frame_energy.h"
 
 #include "carve/base/failure.h"
 #include "carve/base/words.h"

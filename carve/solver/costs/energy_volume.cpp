@@ -1,4 +1,4 @@
-#include "carve/solver/costs/volume.h"
+#include "carve/solver/costs/energy_volume.h"
 
 #include "carve/solver/costs/decode.h"
 

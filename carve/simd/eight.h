@@ -1,6 +1,6 @@
 #pragma once
 
-#include "carve/vectors/wide.h"
+#include "carve/simd/wide.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -30,7 +30,7 @@ FLUIDCARVE_INLINE Eight eight_at(const float* values) {
 }
 FLUIDCARVE_INLINE Eight eight_of(float value) { return Eight{} + value; }
 FLUIDCARVE_INLINE Eight least(Eight a, Eight b) { return a < b ? a : b; }
-FLUIDCARVE_INLINE Eight size_of(Eight values) { return values < 0 ? -values : values; }
+FLUIDCARVE_INLINE Eight absolute(Eight values) { return values < 0 ? -values : values; }
 #pragma GCC diagnostic pop
 
 }  // namespace fluidcarve

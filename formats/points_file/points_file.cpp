@@ -1,4 +1,4 @@
-#include "formats/points_file/file.h"
+#include "formats/points_file/points_file.h"
 
 #include "carve/base/failure.h"
 #include "carve/base/words.h"

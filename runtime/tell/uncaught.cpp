@@ -1,4 +1,4 @@
-#include "runtime/tell/breakdown.h"
+#include "runtime/tell/uncaught.h"
 
 #include "carve/base/failure.h"
 #include "runtime/tell/exit_codes.h"
@@ -64,7 +64,7 @@ void reserve_arenas(unsigned count) {
 
 }  // namespace
 
-std::string breakdown_text(const std::exception* error) {
+std::string uncaught_text(const std::exception* error) {
     if (dynamic_cast<const std::bad_alloc*>(error))
         return "failed: out of memory; give it smaller volumes, or more memory\n";
     if (error && lacks_threads(*error)) return fmt::format("failed: {}\n", no_thread);
@@ -78,11 +78,11 @@ void end_without_signal() {
     std::set_terminate([] {
         try {
             if (const auto error = std::current_exception()) std::rethrow_exception(error);
-            tell_at_last(breakdown_text(nullptr));
+            tell_at_last(uncaught_text(nullptr));
         } catch (const std::exception& error) {
-            tell_at_last(breakdown_text(&error));
+            tell_at_last(uncaught_text(&error));
         } catch (...) {
-            tell_at_last(breakdown_text(nullptr));
+            tell_at_last(uncaught_text(nullptr));
         }
         _exit(exit_code::node_failed);
     });
