@@ -186,7 +186,8 @@ TEST_CASE("files that state nothing, are damaged or of another kind are told fro
     CHECK(told("b.ply", dust + "comment fluidcarve_version: 9\n") == "");
     CHECK(told("c.obj", "# fluidcarve_elsewhere: 9\n# fluidcarve_version:9\n") == "");
     CHECK(told("a.txt", "fluidcarve_version: 9\n") ==
-          "a.txt is no file that states what made it; those are VDB, PNG, JPEG, EXR, PLY and OBJ "
+          "a.txt is no file that states what made it; those are VDB, PNG, JPEG, EXR, PLY, OBJ and "
+          "USDA "
           "files");
     CHECK(told("a.png", std::string("\x89PNG\r\n\x1a\n\0\0\xff\xffIHDR", 16)) ==
           "a.png is cut off or damaged at byte 16; copy or write it again");
