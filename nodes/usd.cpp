@@ -99,7 +99,8 @@ struct UsdWrite {
                 {name, file, found == fields_.end() ? std::nullopt : std::optional(found->second)});
         }
         const auto path = params.path.at(context.frame());
-        write_usda(path, stage_text(stage, path), context.provenance());
+        // No provenance: its values would hold `files`, so that it changed with the output folder.
+        write_usda(path, stage_text(stage, path), {});
     }
 
 private:
