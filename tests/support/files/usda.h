@@ -69,6 +69,10 @@ private:
     UsdaPrim file() {
         UsdaPrim out;
         if (!text_.starts_with("#usda 1.0\n")) fault("#usda 1.0");
+        // Comments stand behind the first line.
+        while (text_.find("\n# ") == text_.find('\n'))
+            text_.erase(text_.find('\n') + 1,
+                        text_.find('\n', text_.find('\n') + 1) - text_.find('\n'));
         at_ = 9;
         want('(');
         out.metadata = fields(')');
@@ -241,7 +245,7 @@ private:
             " of the .usda file lacks " + wanted);
     }
 
-    const std::string& text_;
+    std::string text_;
     std::size_t at_ = 0;
 };
 
