@@ -99,8 +99,7 @@ struct UsdWrite {
                 {name, file, found == fields_.end() ? std::nullopt : std::optional(found->second)});
         }
         const auto path = params.path.at(context.frame());
-        // No provenance: its values would hold `files`, so that it changed with the output folder.
-        write_usda(path, stage_text(stage, path), {});
+        write_usda(path, stage_text(stage, path), context.provenance());
     }
 
 private:

@@ -48,14 +48,14 @@ void sort_colours(Channels& channels) {
 
 Channels channels_of(const Volume& volume, const ImageRequest& request) {
     Channels out;
-    const auto take = [&](const VolumeGrid& each) {
-        const auto* const grid = &each.header();
+    const auto take = [&](const VolumeGrid& channel) {
+        const auto* const grid = &channel.header();
         if (!grid->isType<FloatGrid>() && !is_identity(*grid))
             throw Failure(
                 fmt::format("grid '{}' is of type {}, but a channel of an image is a float grid; "
                             "name those to write: `channels: [R, G, B]`",
                             grid->getName(), grid->type()));
-        out.push_back(each);
+        out.push_back(channel);
     };
     if (request.channels) {
         for (const auto& name : *request.channels) {

@@ -139,7 +139,7 @@ private:
     std::string field_text(const Node& node, const Value::Field& field) {
         const auto* const param = node.type->param(field.name);
         if (!param && !node.type->input(field.name)) return {};
-        if (param && param->writes_file()) return {};
+        if (param && (param->writes_file() || param->written)) return {};
         const auto target = node.name + "." + field.name;
         if (!param) return note(target, field.value), yaml_text(field.value, ascii);
         const auto text = param->text(node.params.get());

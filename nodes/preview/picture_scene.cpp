@@ -19,9 +19,9 @@ struct Sum {
 /// Reads a channel, without making a tree of a plane.
 class Channel {
 public:
-    explicit Channel(const VolumeGrid& each)
-        : plane_(each.plane()),
-          grid_(plane_ ? FloatGrid::create() : openvdb::gridConstPtrCast<FloatGrid>(each.grid())),
+    explicit Channel(const VolumeGrid& grid)
+        : plane_(grid.plane()),
+          grid_(plane_ ? FloatGrid::create() : openvdb::gridConstPtrCast<FloatGrid>(grid.grid())),
           values_(grid_->getConstAccessor()) {}
 
     bool is_active(const openvdb::Coord& at) const {

@@ -138,6 +138,8 @@ TEST_CASE(
     CHECK_THAT(status.out, Catch::Contains("local): failed\n") &&
                                Catch::Contains("failed: seams: seams (seam.pyramid): ") &&
                                Catch::Contains("to go on, type: cd "));
+    // The ends of tasks are seen, too, where the parent of the farm ignores those of its children.
+    CHECK(call_shell("bash -c 'trap \"\" CHLD; exec " + again + "'").code == 1);
     shot("");
     CHECK(call_shell(again).code == 0);
     CHECK(plume.status("out").at("state") == "done");

@@ -27,7 +27,7 @@ std::string shot(const Scratch& scratch, const std::string& out) {
     }
     const auto at = [&](const std::string& name) { return "path: " + (scratch / name) + "}\n"; };
     return scratch.write(
-        out + ".yaml",
+        "shot.yaml",
         "fluidcarve: 1\nframes: 51-53\nnodes:\n"
         "  sim: {type: vdb.read, translate: [1, 2, 3], scale: 2, path: " TEST_DATA
         "/plume/plume.####.vdb}\n"

@@ -56,18 +56,18 @@ public:
     }
 
     /// @param source  the grid before the carve
-    /// @param each    the carved grid; becomes the finished one
-    void finish(const VolumeGrid& source, VolumeGrid& each) const {
-        if (is_level_set(each.header()) && renormalizes() && each != source) renew_distances(each);
-        if (std::ranges::count(finish_.densities, each.name()) > 0)
-            each = each.holding(mass_kept(source, each, places_of(each.header()), *derivative_));
+    /// @param out    the carved grid; becomes the finished one
+    void finish(const VolumeGrid& source, VolumeGrid& out) const {
+        if (is_level_set(out.header()) && renormalizes() && out != source) renew_distances(out);
+        if (std::ranges::count(finish_.densities, out.name()) > 0)
+            out = out.holding(mass_kept(source, out, places_of(out.header()), *derivative_));
         if (!finish_.transform_vectors) return;
-        if (is_vectors(each.header()))
-            each = vectors_turned(each, places_of(each.header()), *derivative_);
-        if (is_point_grid(each.header())) {
+        if (is_vectors(out.header()))
+            out = vectors_turned(out, places_of(out.header()), *derivative_);
+        if (is_point_grid(out.header())) {
             Points points;
-            points.grid = each.grid();
-            each = each.holding(vectors_turned(points, *derivative_).grid);
+            points.grid = out.grid();
+            out = out.holding(vectors_turned(points, *derivative_).grid);
         }
     }
 
@@ -88,11 +88,11 @@ private:
     CarvedPlaces places_of(const openvdb::GridBase& grid) const {
         return {lattice_, map_.reach(), grid.transform(), grid.transform()};
     }
-    void renew_distances(VolumeGrid& each) const {
-        auto grid = each.grid();
+    void renew_distances(VolumeGrid& out) const {
+        auto grid = out.grid();
         if (derivative_ && derivative_->exact())
-            each = grid = squeezed_smooth(grid, places_of(*grid), *derivative_);
-        if (can_renormalize(*grid)) each = renormalized(grid, places_of(*grid), map_);
+            out = grid = squeezed_smooth(grid, places_of(*grid), *derivative_);
+        if (can_renormalize(*grid)) out = renormalized(grid, places_of(*grid), map_);
         else if (finish_.renormalize)
             throw Failure(
                 fmt::format("level set '{}' can't be renormalized: its voxels are not cubes, "

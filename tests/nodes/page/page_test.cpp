@@ -131,6 +131,17 @@ TEST_CASE("the page node shows the first grid that can be shown, and writes its 
                       Catch::Contains("no grid 'smoke'"));
 }
 
+TEST_CASE("a page takes a grid by its name or by its number among equal names, before a run, too") {
+    const auto absent = [](const std::string& grid) {
+        return NodeBench(preview_page(), "{path: x.html, grid: " + grid + "}", {{"before", 1}})
+            .survey({5}, {{"before", {{{"density", "density"}}, std::nullopt}}})
+            .absent;
+    };
+    CHECK(absent("density").empty());
+    CHECK(absent("'density[1]'").empty());
+    CHECK(absent("'density[2]'").size() == 1);
+}
+
 TEST_CASE("the page needs no mouse, asks for no file, and says what to type", "[browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;

@@ -69,11 +69,9 @@ private:
     UsdaPrim file() {
         UsdaPrim out;
         if (!text_.starts_with("#usda 1.0\n")) fault("#usda 1.0");
-        // Comments stand behind the first line.
-        while (text_.find("\n# ") == text_.find('\n'))
-            text_.erase(text_.find('\n') + 1,
-                        text_.find('\n', text_.find('\n') + 1) - text_.find('\n'));
         at_ = 9;
+        // Comments may stand behind the first line.
+        while (text_.compare(at_, 3, "\n# ") == 0) at_ = text_.find('\n', at_ + 1);
         want('(');
         out.metadata = fields(')');
         while (!ended()) add_prim(out);
@@ -245,7 +243,7 @@ private:
             " of the .usda file lacks " + wanted);
     }
 
-    std::string text_;
+    const std::string& text_;
     std::size_t at_ = 0;
 };
 
