@@ -19,8 +19,7 @@ namespace {
 
 std::vector<std::size_t> nodes_read_by(const Node& node) {
     std::vector<std::size_t> out;
-    for (const auto& links : node.inputs)
-        for (const auto& link : links) out.push_back(link.node);
+    for (const auto& link : node.links()) out.push_back(link.node);
     return out;
 }
 
@@ -234,9 +233,8 @@ void PipelineBuilder::infer_rates() {
             for (const auto& spec : node.type->params)
                 reads = reads || (spec.reads_file() && spec.path(node.params.get()).per_frame());
         moves = moves || reads;
-        for (const auto& links : node.inputs)
-            for (const auto& link : links)
-                reads = reads || sequences_.contains(nodes_[link.node].node.name);
+        for (const auto& link : node.links())
+            reads = reads || sequences_.contains(nodes_[link.node].node.name);
         if (reads) sequences_.insert(node.name);
         const bool once = !node.type->per_frame_outputs ||
                           (node.gathers && (!differ || (node.type->animates && !animates)));

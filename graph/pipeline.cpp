@@ -67,8 +67,7 @@ std::vector<std::string> Pipeline::node_names() const {
 std::vector<std::size_t> Pipeline::leaves() const {
     std::vector<bool> read(nodes.size(), false);
     for (const auto& node : nodes)
-        for (const auto& links : node.inputs)
-            for (const auto& link : links) read[link.node] = true;
+        for (const auto& link : node.links()) read[link.node] = true;
     std::vector<std::size_t> out;
     for (std::size_t n = 0; n < nodes.size(); ++n)
         if (!read[n]) out.push_back(n);
@@ -80,8 +79,7 @@ std::vector<bool> Pipeline::upstream_of(const std::vector<std::size_t>& targets)
     for (const auto n : targets) needed[n] = true;
     for (std::size_t n = nodes.size(); n-- > 0;) {
         if (!needed[n]) continue;
-        for (const auto& links : nodes[n].inputs)
-            for (const auto& link : links) needed[link.node] = true;
+        for (const auto& link : nodes[n].links()) needed[link.node] = true;
     }
     return needed;
 }

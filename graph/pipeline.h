@@ -6,6 +6,7 @@
 #include "graph/types/registry.h"
 
 #include <memory>
+#include <ranges>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,6 +52,9 @@ struct Node {
     std::vector<Link> checksummed;
 
     std::vector<Problem> warnings;  ///< warnings of its check
+
+    /// The links of all inputs, in order.
+    auto links() const { return inputs | std::views::join; }
 
     /// A path that it writes, with its parameter.
     struct Written {

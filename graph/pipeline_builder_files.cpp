@@ -123,9 +123,8 @@ bool PipelineBuilder::blame_reader(const Node& writer, const Mark& mark, const F
     std::set<std::size_t> seen;
     std::vector<std::size_t> open;
     const auto take = [&](const Node& node) {
-        for (const auto& links : node.inputs)
-            for (const auto& link : links)
-                if (seen.insert(link.node).second) open.push_back(link.node);
+        for (const auto& link : node.links())
+            if (seen.insert(link.node).second) open.push_back(link.node);
     };
     for (take(writer); !open.empty();) {
         const auto& node = nodes_[open.back()].node;

@@ -15,18 +15,16 @@ namespace {
 FrameSet frames_taken(const Node& node, const std::vector<Node*>& nodes, const FrameSet& sequence,
                       Problems& problems) {
     const Node* first = nullptr;
-    for (const auto& links : node.inputs)
-        for (const auto& link : links) {
-            const auto& source = *nodes[link.node];
-            if (source.rate != Rate::frame) continue;
-            if (!first) first = &source;
-            else if (source.frames.frames() != first->frames.frames())
-                add(problems, node.mark,
-                    fmt::format("'{}' has the frames {}, but '{}' has {}: take both from "
-                                "before the change of time, or both from behind it",
-                                first->name, first->frames.text(), source.name,
-                                source.frames.text()));
-        }
+    for (const auto& link : node.links()) {
+        const auto& source = *nodes[link.node];
+        if (source.rate != Rate::frame) continue;
+        if (!first) first = &source;
+        else if (source.frames.frames() != first->frames.frames())
+            add(problems, node.mark,
+                fmt::format("'{}' has the frames {}, but '{}' has {}: take both from "
+                            "before the change of time, or both from behind it",
+                            first->name, first->frames.text(), source.name, source.frames.text()));
+    }
     return first ? first->frames : sequence;
 }
 

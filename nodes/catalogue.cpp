@@ -15,7 +15,7 @@
 #include "nodes/payload/add_payloads.h"
 #include "nodes/points.h"
 #include "nodes/preview/sheet.h"
-#include "nodes/python/nodes.h"
+#include "nodes/python/python_nodes.h"
 #include "nodes/remap.h"
 #include "nodes/rig.h"
 #include "nodes/sdf.h"

@@ -17,6 +17,28 @@ namespace fluidcarve {
 
 namespace {
 
+/// A node that computes a field by a stencil.
+/// @tparam compute  makes it of a `Ref<From>`
+template <class From, class To, auto compute>
+struct FieldOf {
+    struct Params {};
+    struct Ports {
+        Ref<From> field;
+        Ref<To> result;
+    };
+    static void run(const Params&, Ports& io, Context& context) {
+        require_stencil_fits(*io.field, sizeof(typename To::ValueType), context.memory_budget());
+        io.result = compute(io.field);
+    }
+};
+using FieldCurl = FieldOf<VectorGrid, VectorGrid, curl_field>;
+using FieldCurvature =
+    FieldOf<FloatGrid, FloatGrid, [](const auto& field) { return curvature_field(*field); }>;
+using FieldGradient =
+    FieldOf<FloatGrid, VectorGrid, [](const auto& field) { return gradient_field(*field); }>;
+using FieldLaplacian =
+    FieldOf<FloatGrid, FloatGrid, [](const auto& field) { return laplacian_field(*field); }>;
+
 struct FieldCollocate {
     struct Params {};
     struct Ports {
@@ -42,47 +64,16 @@ NodeType field_collocate() {
         .kept();
 }
 
-namespace {
-
-struct FieldCurl {
-    struct Params {};
-    struct Ports {
-        Ref<VectorGrid> velocity, curl;
-    };
-    static void run(const Params&, Ports& io, Context& context) {
-        require_stencil_fits(*io.velocity, sizeof(openvdb::Vec3s), context.memory_budget());
-        io.curl = curl_field(io.velocity);
-    }
-};
-
-}  // namespace
-
 NodeType field_curl() {
     return Declare<FieldCurl>(
                "field.curl",
                "The curl of a velocity: the axis of the flow's rotation, and twice its rate.")
-        .input("velocity", &FieldCurl::Ports::velocity,
+        .input("velocity", &FieldCurl::Ports::field,
                "Velocity, world units per second; staggered grids are collocated.")
-        .output("curl", &FieldCurl::Ports::curl,
+        .output("curl", &FieldCurl::Ports::result,
                 "curl velocity, 1/s, on the active voxels of `velocity`.")
         .kept();
 }
-
-namespace {
-
-struct FieldCurvature {
-    struct Params {};
-    struct Ports {
-        Ref<FloatGrid> field;
-        Ref<FloatGrid> curvature;
-    };
-    static void run(const Params&, Ports& io, Context& context) {
-        require_stencil_fits(*io.field, sizeof(float), context.memory_budget());
-        io.curvature = curvature_field(*io.field);
-    }
-};
-
-}  // namespace
 
 NodeType field_curvature() {
     return Declare<FieldCurvature>("field.curvature",
@@ -90,7 +81,7 @@ NodeType field_curvature() {
                                    "principal curvatures, div (grad field / |grad field|).")
         .input("field", &FieldCurvature::Ports::field,
                "A level set, or any field: its level surfaces count.")
-        .output("curvature", &FieldCurvature::Ports::curvature,
+        .output("curvature", &FieldCurvature::Ports::result,
                 "1 per world unit, on the field's active voxels: 2 / radius on a ball, above 0 "
                 "where a level set bulges outward. It is 0 where a neighbour is inactive, and "
                 "limited to that of a ball with a radius of one voxel.")
@@ -137,55 +128,23 @@ NodeType field_filter() {
         .in_place();
 }
 
-namespace {
-
-struct FieldGradient {
-    struct Params {};
-    struct Ports {
-        Ref<FloatGrid> field;
-        Ref<VectorGrid> gradient;
-    };
-    static void run(const Params&, Ports& io, Context& context) {
-        require_stencil_fits(*io.field, sizeof(openvdb::Vec3s), context.memory_budget());
-        io.gradient = gradient_field(*io.field);
-    }
-};
-
-}  // namespace
-
 NodeType field_gradient() {
     return Declare<FieldGradient>(
                "field.gradient",
                "The gradient of a field: the direction and steepness of its rise.")
         .input("field", &FieldGradient::Ports::field, "Density, temperature or any other field.")
-        .output("gradient", &FieldGradient::Ports::gradient,
+        .output("gradient", &FieldGradient::Ports::result,
                 "grad field, units of `field` per world unit, on its active voxels.")
         .kept()
         .in_place();
 }
-
-namespace {
-
-struct FieldLaplacian {
-    struct Params {};
-    struct Ports {
-        Ref<FloatGrid> field;
-        Ref<FloatGrid> laplacian;
-    };
-    static void run(const Params&, Ports& io, Context& context) {
-        require_stencil_fits(*io.field, sizeof(float), context.memory_budget());
-        io.laplacian = laplacian_field(*io.field);
-    }
-};
-
-}  // namespace
 
 NodeType field_laplacian() {
     return Declare<FieldLaplacian>(
                "field.laplacian",
                "The Laplacian of a field, div grad: below 0 on peaks, above 0 in pits.")
         .input("field", &FieldLaplacian::Ports::field, "Density, temperature or any other field.")
-        .output("laplacian", &FieldLaplacian::Ports::laplacian,
+        .output("laplacian", &FieldLaplacian::Ports::result,
                 "Units of `field` per square world unit, on its active voxels.")
         .kept()
         .in_place();

@@ -6,6 +6,7 @@
 #include "formats/mesh_file/usda.h"
 #include "graph/types/node_type.h"
 #include "nodes/params/file_sequence.h"
+#include "nodes/params/placement_params.h"
 
 namespace fluidcarve {
 
@@ -59,8 +60,7 @@ NodeType mesh_read() {
                "centre: set `scale` to the cells along the longest side times the voxel size, and "
                "`translate` to the domain's low corner plus half its cells times the voxel size "
                "(`file_base_resolution` and `file_voxel_size` of its grids).")
-        .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6),
-               "World units of the shot per unit of the file, applied before `translate`.")
+        .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6), placed_scale_doc)
         .output("mesh", &MeshRead::Ports::mesh,
                 "The mesh. No faces or vertices are merged, split or turned.");
 }
@@ -84,9 +84,8 @@ struct MeshWrite {
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
-        const Placement placement{openvdb::Vec3d(params.translate.value_or(Vec3{}).data()),
-                                  params.scale.value_or(1)};
-        const auto* const stated = params.translate || params.scale ? &placement : nullptr;
+        const auto placement = stated_placement(params);
+        const auto* const stated = placement ? &*placement : nullptr;
         const auto path = params.path.at(context.frame());
         const auto frame = params.path.per_frame() ? std::optional(context.frame()) : std::nullopt;
         const auto provenance = context.provenance();
@@ -115,8 +114,7 @@ NodeType mesh_write() {
         .param("translate", &Params::translate, Unit::world, any_number(),
                "The placement of a reader to undo. Auto: that of the mesh's reader; meshes made by "
                "nodes, and those in .usda files, stay in the shot's world.")
-        .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6),
-               "The same for a reader's `scale`.");
+        .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6), undone_scale_doc);
 }
 
 }  // namespace fluidcarve

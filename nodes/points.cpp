@@ -8,6 +8,7 @@
 #include "formats/points_file/usda.h"
 #include "graph/types/node_type.h"
 #include "nodes/params/file_sequence.h"
+#include "nodes/params/placement_params.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -32,8 +33,7 @@ struct KeepOut {
         auto kept = kept_out(*io.source, *io.solid);
         const nlohmann::ordered_json counts{
             {"points", io.source->size()}, {"moved", kept.moved}, {"stuck", kept.stuck}};
-        context.report("points",
-                       {{context.per_frame() ? std::to_string(context.frame()) : "all", counts}});
+        context.report("points", {{context.frame_name(), counts}});
         if (kept.stuck > 0)
             context.warn(
                 "some points lie so deep in the solid that its distances do not say which way is "
@@ -122,7 +122,7 @@ NodeType points_read() {
                "Position of the file's origin in the shot's world, as for vdb.read of the same "
                "file; the writer undoes it.")
         .param("scale", &PointsRead::Params::scale, Unit::none, between(1e-6, 1e6),
-               "World units of the shot per unit of the file, applied before `translate`.")
+               placed_scale_doc)
         .output("points", &PointsRead::Ports::points,
                 "The points, with all attributes, groups and metadata.");
 }
@@ -164,10 +164,9 @@ struct PointsWrite {
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
-        const auto at = params.translate.value_or(Vec3{});
-        const Placement placement{openvdb::Vec3d(at[0], at[1], at[2]), params.scale.value_or(1)};
         const auto path = params.path.at(context.frame());
-        const auto* const stated = params.translate || params.scale ? &placement : nullptr;
+        const auto placement = stated_placement(params);
+        const auto* const stated = placement ? &*placement : nullptr;
         if (names_usda(path)) {
             const auto frame =
                 params.path.per_frame() ? std::optional(context.frame()) : std::nullopt;
@@ -179,8 +178,8 @@ struct PointsWrite {
                     name));
             if (unsaid.width)
                 context.warn(
-                    "the .usda file does not tell how wide the points are, and they have no "
-                    "voxels: say 'width'");
+                    "the .usda file does not state how wide the points are, and they have no "
+                    "voxels: state 'width'");
             return;
         }
         const auto unsaid = write_points(path, *io.source, io.beside.get(),
@@ -193,8 +192,8 @@ struct PointsWrite {
                             name));
         if (!unsaid.offset.empty())
             context.warn(
-                fmt::format("the file's grids do not tell where the points are against them: read "
-                            "it by points.read with 'offset: {}'",
+                fmt::format("the points lie apart from the file's own grids: read the file by "
+                            "points.read with 'offset: {}'",
                             unsaid.offset));
     }
 };
@@ -227,7 +226,7 @@ NodeType points_write() {
                "The placement of a reader to undo. Auto: that of the source's reader; points in "
                ".usda files stay in the shot's world.")
         .param("scale", &PointsWrite::Params::scale, Unit::none, between(1e-6, 1e6),
-               "The same for a reader's `scale`.");
+               undone_scale_doc);
 }
 
 }  // namespace fluidcarve

@@ -105,7 +105,7 @@ struct RemapGrids : RemapNode {
         const auto carved = carve_volume(*io.source, *io.lattice, map, params.interpolation);
         io.volume =
             std::make_shared<Volume>(finished(*io.source, carved, *io.lattice, map, finish));
-        context.report(grids_by_frame, {{frame_name(context), compared(*io.source, *io.volume)}});
+        context.report(grids_by_frame, {{context.frame_name(), compared(*io.source, *io.volume)}});
     }
 
     static void conclude(const Params&, const nlohmann::ordered_json& frames, Context& context) {
@@ -301,7 +301,7 @@ struct RemapPoints : RemapNode {
                                             {"moved", carved.moved},
                                             {"deleted", carved.deleted},
                                             {"copied", carved.copied}};
-        context.report("points", {{frame_name(context), counts}});
+        context.report("points", {{context.frame_name(), counts}});
     }
 
 private:

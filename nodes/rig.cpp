@@ -1,6 +1,7 @@
 #include "nodes/rig.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/numbers.h"
 #include "carve/rig/circle.h"
 #include "carve/rig/points.h"
 #include "carve/rig/rig.h"
@@ -15,7 +16,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -228,13 +228,6 @@ std::vector<Vec3d> positions(const Positions& points) {
     return out;
 }
 
-std::optional<int> frame_number(const std::string& text) {
-    int out = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
-    return error == std::errc{} && end == text.data() + text.size() ? std::optional(out)
-                                                                    : std::nullopt;
-}
-
 struct RigPoints {
     struct Params {
         Positions points;
@@ -258,7 +251,7 @@ struct RigPoints {
         if (params.frames.empty())
             return refuse(rig_of(params, positions(params.points)), "points", "", check);
         for (const auto& [frame, points] : params.frames) {
-            if (!frame_number(frame))
+            if (!number_of<int>(frame))
                 check.fault(
                     "frames",
                     fmt::format(
@@ -285,7 +278,7 @@ struct RigPoints {
         }
         std::map<int, std::vector<Vec3d>> keys;
         for (const auto& [frame, points] : params.frames)
-            keys[*frame_number(frame)] = positions(points);
+            keys[*number_of<int>(frame)] = positions(points);
         io.rig = std::make_shared<Rig>(rig_of(params, points_at(keys, context.frame())));
     }
 

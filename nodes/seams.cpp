@@ -4,7 +4,7 @@
 #include "carve/base/words.h"
 #include "carve/seam/choice.h"
 #include "carve/seam/seams.h"
-#include "carve/time/frames_carved.h"
+#include "carve/time/frame_carve_promise.h"
 #include "carve/volume/volume.h"
 #include "formats/file/output_file.h"
 #include "formats/geometry_file/ply.h"
@@ -170,7 +170,7 @@ struct SeamsRead {
         io.seams = std::make_shared<Seams>(read_seams(params.path.at(0)));
     }
     /// The effect of a file of seams of frames, if the file exists.
-    static std::optional<FramesCarved> in_time(const Params& params) {
+    static std::optional<FrameCarvePromise> in_time(const Params& params) {
         return params.path.exists() ? frames_carved_by(params.path.at(0)) : std::nullopt;
     }
 };
@@ -191,7 +191,8 @@ namespace {
 struct SeamsWrite {
     struct Params {
         OutputPath path;
-        std::optional<FramesCarved> in_time;  ///< seams of frames are written as all others are
+        std::optional<FrameCarvePromise>
+            in_time;  ///< seams of frames are written as all others are
     };
     struct Ports {
         Ref<Seams> seams;

@@ -12,7 +12,6 @@
 #include "carve/time/sequence.h"
 #include "carve/time/thumbnails.h"
 #include "carve/time/time_surface.h"
-#include "formats/points_file/points_file.h"
 #include "graph/types/node_type.h"
 #include "nodes/params/one_or_two.h"
 #include "nodes/params/pace_params.h"

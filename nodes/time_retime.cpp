@@ -104,7 +104,7 @@ public:
             *out = volume_between(a.volume, source_.at(moment.place + 1).volume, moment.share,
                                   motion.get(), params.transport);
         }
-        *out = scaled(*out, a.velocity ? a.velocity->getName() : "", moment.rate);
+        *out = velocities_scaled(*out, a.velocity ? a.velocity->getName() : "", moment.rate);
         io.volume = out;
     }
 

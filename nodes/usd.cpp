@@ -3,6 +3,7 @@
 #include "carve/base/words.h"
 #include "formats/geometry_file/usda.h"
 #include "formats/usd/stage.h"
+#include "nodes/params/placement_params.h"
 
 #include <algorithm>
 
@@ -74,11 +75,9 @@ struct UsdWrite {
     }
 
     void add(const Params& params, const Ports& io, Context& context) {
-        const Placement placement{openvdb::Vec3d(params.translate.value_or(Vec3{}).data()),
-                                  params.scale.value_or(1)};
+        const auto placement = stated_placement(params);
         for (const auto& [name, volume] : io.volumes) {
-            auto fields =
-                usd_fields(*volume, params.translate || params.scale ? &placement : nullptr);
+            auto fields = usd_fields(*volume, placement ? &*placement : nullptr);
             for (const auto& left_out : fields.left_out)
                 context.warn(
                     fmt::format("grid '{}' of volume '{}' is left out: USD has no type for it; "

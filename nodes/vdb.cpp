@@ -2,14 +2,15 @@
 
 #include "carve/base/words.h"
 #include "carve/field/same_transform.h"
+#include "carve/grid/named_grids.h"
 #include "carve/stream/openvdb_types.h"
 #include "carve/volume/triplet.h"
 #include "formats/vdb/conventions.h"
-#include "formats/vdb/grid_names.h"
 #include "formats/vdb/header_region.h"
 #include "formats/vdb/vdb_file.h"
 #include "nodes/params/file_sequence.h"
 #include "nodes/params/grid_choice.h"
+#include "nodes/params/placement_params.h"
 
 #include <fmt/format.h>
 
@@ -376,8 +377,7 @@ NodeType vdb_read() {
         .param("translate", &VdbRead::Params::translate, Unit::world, any_number(),
                "Position of the file's origin in the shot's world; the writer undoes it. Values, "
                "also velocities, are not changed.")
-        .param("scale", &VdbRead::Params::scale, Unit::none, between(1e-6, 1e6),
-               "World units of the shot per unit of the file, applied before `translate`.")
+        .param("scale", &VdbRead::Params::scale, Unit::none, between(1e-6, 1e6), placed_scale_doc)
         .output("volume", &VdbRead::Ports::volume,
                 "All grids of the file, in its order, with all metadata.")
         .outputs_from("grids", &VdbRead::Ports::grids, [](const VdbRead::Params& params) {

@@ -1,7 +1,8 @@
-#include "formats/vdb/grid_names.h"
+#include "carve/grid/named_grids.h"
 #include "formats/vdb/provenance_metadata.h"
 #include "formats/vdb/vdb_file.h"
 #include "nodes/params/file_sequence.h"
+#include "nodes/params/placement_params.h"
 #include "nodes/vdb.h"
 
 namespace fluidcarve {
@@ -39,14 +40,13 @@ struct VdbWrite {
     };
 
     static void run(const Params& params, Ports& io, Context& context) {
-        const auto at = params.translate.value_or(Vec3{});
-        const Placement placement{openvdb::Vec3d(at[0], at[1], at[2]), params.scale.value_or(1)};
+        const auto placement = stated_placement(params);
         auto volume = *io.source;
         stored_as_half(volume, params.half, true);
         stored_as_half(volume, params.full, false);
         set_provenance(volume.metadata, context.provenance());
         write_vdb(params.path.at(context.frame()), volume, params.compression,
-                  params.translate || params.scale ? &placement : nullptr);
+                  placement ? &*placement : nullptr);
     }
 };
 
@@ -73,8 +73,7 @@ NodeType vdb_write() {
         .param("translate", &VdbWrite::Params::translate, Unit::world, any_number(),
                "The placement of a reader to undo. Auto: that of each grid's reader; grids made by "
                "nodes stay in the shot's world.")
-        .param("scale", &VdbWrite::Params::scale, Unit::none, between(1e-6, 1e6),
-               "The same for a reader's `scale`.");
+        .param("scale", &VdbWrite::Params::scale, Unit::none, between(1e-6, 1e6), undone_scale_doc);
 }
 
 }  // namespace fluidcarve

@@ -175,7 +175,7 @@ struct WarpSolve {
         if (one_of_a_kind(*params.amount)) return to_text(*params.amount);
         return params.pair_window ? params.amount->whole.value < 0 ? "squeezes" : "draws out" : "";
     }
-    static Extent extent(const Payload& result) {
+    static ItemCount item_count(const Payload& result) {
         const auto set = result.as<Seams>();
         const auto of = static_cast<std::size_t>(set->carved());
         if (!set->warp) return {Reach::nothing, of};
@@ -348,13 +348,17 @@ NodeType warp_solve() {
                "the report tells it.")
         .output("seams", &Ports::seams, "The warp; all that takes seams takes it.")
         .digests({"energy", "lattice", "field", "protect", "attract", "content", "axis"})
-        .grows({"amount",
-                [params_of](const void* params) { return WarpSolve::rest(params_of(params)); },
-                &WarpSolve::extent,
-                [params_of](const void* params, std::size_t vertices) {
-                    return WarpSolve::wanted(params_of(params), vertices);
-                },
-                &WarpSolve::first, &WarpSolve::warnings, "amount"})
+        .grows(
+            {.param = "amount",
+             .rest = [params_of](const void* params) { return WarpSolve::rest(params_of(params)); },
+             .item_count = &WarpSolve::item_count,
+             .wanted =
+                 [params_of](const void* params, std::size_t vertices) {
+                     return WarpSolve::wanted(params_of(params), vertices);
+                 },
+             .first = &WarpSolve::first,
+             .warnings = &WarpSolve::warnings,
+             .item = "amount"})
         .in_place()
         .kept()
         .version(3);

@@ -17,6 +17,12 @@ bool is_floating(NumberType type) {
     return type == NumberType::float32 || type == NumberType::float64;
 }
 
+double full_intensity(NumberType type) {
+    return is_floating(type) ? 1 : with_number_type(type, [](auto zero) {
+        return static_cast<double>(std::numeric_limits<decltype(zero)>::max());
+    });
+}
+
 double number_in(const char* bytes, NumberType type, bool swap) {
     return with_number_type(type, [&](auto value) {
         std::array<char, sizeof value> copy;

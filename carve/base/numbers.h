@@ -1,10 +1,24 @@
 #pragma once
 
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <system_error>
 
 namespace fluidcarve {
+
+/// The number that a whole text states, without a plus sign; nothing if it states none, or one too
+/// large for its type.
+template <class Number>
+std::optional<Number> number_of(std::string_view text) {
+    Number out{};
+    const auto* const last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data(), last, out);
+    return error == std::errc{} && end == last ? std::optional(out) : std::nullopt;
+}
 
 /// The type of a number in a file.
 enum class NumberType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
@@ -28,6 +42,9 @@ auto with_number_type(NumberType type, Visit&& visit) {
     }
     return visit(double{});
 }
+
+/// Value of full intensity in colours of a type: the maximum of an integer, or 1.
+double full_intensity(NumberType type);
 
 /// A number as a double; exact for all types.
 /// @param swap  whether the bytes are in the order opposite to this machine's

@@ -176,37 +176,25 @@ void BlockPlaces::find_levels(Entered& row) const {
     }
 }
 
-void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) {
-    row.inside = 0;
-    if (!by_tables_) {
-        for (int z = 0; z < 8; ++z)
-            if (const auto at = mapping_.locate(
-                    transform_.indexToWorld(first.offsetBy(0, 0, z).asVec3d() + offset))) {
-                row.places[static_cast<std::size_t>(z)].at = *at;
-                row.inside |= 1u << z;
-            }
-        return;
-    }
+bool BlockPlaces::settle(int slab, const Vec3d& solved, const Vec3d& u, const Vec3d& v,
+                         std::size_t z, Row& row) const {
     const auto& slabs = *mapping_.slabs();
-    const auto from = (first - block_).asVec3d() + offset;
-    const auto settle = [&](int slab, const Vec3d& solved, const Vec3d& u, const Vec3d& v,
-                            std::size_t z) {
-        Vec3d place;
-        const auto holds = slabs.settle(slab, solved, place);
-        if (holds == Slabs::Holds::no ||
-            (holds == Slabs::Holds::beyond && (row.inside >> z & 1) != 0))
-            return false;
-        if (slabs.polar()) {
-            const auto away = slabs.polar()->direction(place.y());
-            row.places[z] = {place, away.x() * u + away.y() * v, Vec3d(0)};
-        } else {
-            row.places[z] = {place, u, v};
-        }
-        row.inside |= 1u << z;
-        return holds == Slabs::Holds::yes;
-    };
-    auto& entered = enter(from);
-    if (!entered.levelled) find_levels(entered);
+    Vec3d place;
+    const auto holds = slabs.settle(slab, solved, place);
+    if (holds == Slabs::Holds::no || (holds == Slabs::Holds::beyond && (row.inside >> z & 1) != 0))
+        return false;
+    if (slabs.polar()) {
+        const auto away = slabs.polar()->direction(place.y());
+        row.places[z] = {place, away.x() * u + away.y() * v, Vec3d(0)};
+    } else {
+        row.places[z] = {place, u, v};
+    }
+    row.inside |= 1u << z;
+    return holds == Slabs::Holds::yes;
+}
+
+unsigned BlockPlaces::locate_lowest(const Vec3d& from, const Entered& entered, Row& row) const {
+    const auto& slabs = *mapping_.slabs();
     unsigned open = entered.twice;
     Slab::Products at_first{};
     auto last = candidates_.size();
@@ -220,12 +208,15 @@ void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) {
         for (std::size_t n = 0; n < products.size(); ++n)
             products[n] = at_first[n] + static_cast<double>(z) * along_z[n];
         if (settle(candidate.slab, slabs[candidate.slab].at(products, entered.levels[z]),
-                   entered.u[z], entered.v[z], z))
+                   entered.u[z], entered.v[z], z, row))
             open &= ~(1u << z);
     }
-    if (open == 0) return;
+    return open;
+}
 
-    // The lowest slab does not hold these voxels in the lattice's own cells. A higher slab may.
+void BlockPlaces::locate_higher(const Vec3d& from, const Entered& entered, unsigned open,
+                                Row& row) const {
+    const auto& slabs = *mapping_.slabs();
     each_hit(from, [&](const Candidate& candidate, unsigned hits) {
         for (hits &= open; hits != 0; hits &= hits - 1) {
             const auto z = static_cast<std::size_t>(std::countr_zero(hits));
@@ -236,11 +227,29 @@ void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) {
                                         slabs.from(candidate.slab), slabs.to(candidate.slab));
             const auto& table = (*tables_)[static_cast<std::size_t>(candidate.slab)];
             if (settle(candidate.slab, slab.at(products, c), table.u + c * table.du,
-                       table.v + c * table.dv, z))
+                       table.v + c * table.dv, z, row))
                 open &= ~(1u << z);
         }
         return open != 0;
     });
+}
+
+void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) {
+    row.inside = 0;
+    if (!by_tables_) {
+        for (int z = 0; z < 8; ++z)
+            if (const auto at = mapping_.locate(
+                    transform_.indexToWorld(first.offsetBy(0, 0, z).asVec3d() + offset))) {
+                row.places[static_cast<std::size_t>(z)].at = *at;
+                row.inside |= 1u << z;
+            }
+        return;
+    }
+    const auto from = (first - block_).asVec3d() + offset;
+    auto& entered = enter(from);
+    if (!entered.levelled) find_levels(entered);
+    if (const auto open = locate_lowest(from, entered, row))
+        locate_higher(from, entered, open, row);
 }
 
 unsigned BlockPlaces::shift(const Coord& first, const Vec3d& offset, const Vec3d& by,

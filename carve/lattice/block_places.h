@@ -129,6 +129,19 @@ private:
     Entered& enter(const openvdb::Vec3d& from);
     void find(const openvdb::Vec3d& from, Entered& row) const;
     void find_levels(Entered& row) const;
+    /// Finds voxels in the lowest slabs that they entered.
+    /// @return bit z is set if a higher slab may hold voxel z in the lattice's own cells
+    unsigned locate_lowest(const openvdb::Vec3d& from, const Entered& entered, Row& row) const;
+    /// Finds voxels in the slabs above.
+    /// @param open  bit z is set for the voxels that are sought
+    void locate_higher(const openvdb::Vec3d& from, const Entered& entered, unsigned open,
+                       Row& row) const;
+    /// Enters a voxel's place in the row, if the slab holds it.
+    /// @param solved  the place that the slab gives
+    /// @param u, v    steps along u and v there, voxels
+    /// @return whether the slab holds it in the lattice's own cells
+    bool settle(int slab, const openvdb::Vec3d& solved, const openvdb::Vec3d& u,
+                const openvdb::Vec3d& v, std::size_t z, Row& row) const;
 
     const Mapping& mapping_;
     const openvdb::math::Transform& transform_;

@@ -6,7 +6,7 @@
 
 namespace fluidcarve {
 
-/// Topology::boundary_edges, without the rest of the topology.
+/// Number of edges with an odd number of faces; 0: the mesh is closed.
 std::size_t boundary_edges(const Mesh& mesh);
 
 }  // namespace fluidcarve

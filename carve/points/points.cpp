@@ -94,4 +94,8 @@ Points with_images(const Points& source, const std::vector<PointImage>& images,
     return out;
 }
 
+openvdb::GridBase::ConstPtr in_grid(const Points& points) {
+    return points.grid ? points.grid : placed(grid_of(*points.ply), points.placement);
+}
+
 }  // namespace fluidcarve

@@ -42,6 +42,9 @@ struct Points {
 Points with_images(const Points& source, const std::vector<PointImage>& images,
                    const Points* more = nullptr);
 
+/// The points as a grid in the shot's world, with a stored form (stored_form.h).
+openvdb::GridBase::ConstPtr in_grid(const Points& points);
+
 /// Whether the points of two sets have the same attributes, so that one set can hold both.
 bool alike(const Points& a, const Points& b);
 

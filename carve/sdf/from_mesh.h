@@ -8,7 +8,7 @@
 namespace fluidcarve {
 
 /// Distances to the faces of a mesh in a narrow band. Without a thickness they are signed for a
-/// closed mesh (Topology::closed), negative inside, and unsigned for any other mesh. With a
+/// closed mesh (boundary_edges() is 0), negative inside, and unsigned for any other mesh. With a
 /// thickness they are signed, negative in a shell of that thickness around the faces. Signed
 /// distances are level sets.
 /// @param mesh       faces with more than three corners are triangulated

@@ -175,7 +175,7 @@ public:
     /// insertion this is the new entry; if slabs are doubled, the first entry of the second copy.
     /// Of pairs, seams of the first window come first.
     /// @param slice  may be slices() if closed()
-    std::span<const std::uint16_t> bounds(int lateral, int slice) const {
+    std::span<const std::uint16_t> first_displaced(int lateral, int slice) const {
         const int j = lateral - first_lateral_,
                   k = closed_ && slice == slices_ ? 0 : slice - first_slice_;
         const auto all = (paired_ ? 2 : 1) * count_;
@@ -186,8 +186,8 @@ public:
             all};
     }
     /// The bounds of a vertex's column, which must exist.
-    std::span<const std::uint16_t> bounds(const openvdb::Coord& vertex) const {
-        return bounds(vertex[lateral_axis_], vertex[slice_axis_]);
+    std::span<const std::uint16_t> first_displaced(const openvdb::Coord& vertex) const {
+        return first_displaced(vertex[lateral_axis_], vertex[slice_axis_]);
     }
     /// Number of a column's bounds that are at most `entry`.
     static std::size_t passed(int entry, std::span<const std::uint16_t> all) {
@@ -211,7 +211,7 @@ public:
     }
     /// The same in an existing column.
     int displacement(int entry, int lateral, int slice) const {
-        const auto all = bounds(lateral, slice);
+        const auto all = first_displaced(lateral, slice);
         return displacement(entry, passed(entry, all), all);
     }
 

@@ -68,7 +68,7 @@ Joins::Joins(std::span<const CarveStep* const> steps, std::span<const CarveStep:
       paired_(steps.front()->paired()),
       closed_(steps.front()->closed()),
       around_(steps.front()->around()),
-      seams_(steps.front()->bounds(first_lateral_, first_slice_).size()),
+      seams_(steps.front()->first_displaced(first_lateral_, first_slice_).size()),
       fade_(fade),
       windows_(windows.begin(), windows.end()),
       places_(seams_ * static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_)) {
@@ -84,7 +84,7 @@ Joins::Joins(std::span<const CarveStep* const> steps, std::span<const CarveStep:
                                      static_cast<std::size_t>(lateral) * seams_;
                     for (int n = -reach; n <= reach; ++n) {
                         const int frame = n + reach;
-                        const auto bounds = steps[static_cast<std::size_t>(frame)]->bounds(
+                        const auto bounds = steps[static_cast<std::size_t>(frame)]->first_displaced(
                             first_lateral_ + lateral, first_slice_ + k);
                         const float weight = static_cast<float>(reach + 1 - std::abs(n)) / all;
                         for (std::size_t seam = 0; seam < seams_; ++seam)

@@ -101,7 +101,7 @@ std::vector<CarveStep::Span> where_smoothed(std::span<const CarveStep* const> st
     for (const auto* const step : steps)
         for (int slice = step->first_slice(); slice <= step->last_slice(); ++slice)
             for (int lateral = step->first_lateral(); lateral <= step->last_lateral(); ++lateral) {
-                const auto bounds = step->bounds(lateral, slice);
+                const auto bounds = step->first_displaced(lateral, slice);
                 front = std::min<int>(front, bounds.front());
                 back = std::max<int>(back, bounds.back());
             }
@@ -140,8 +140,8 @@ public:
     /// @param to  from the entry before the first span to the one behind the last
     void write(int lateral, int slice, float* to) {
         for (std::size_t n = 0; n < steps_.size(); ++n)
-            write_displacements(*steps_[n], steps_[n]->bounds(lateral, slice), {first_, last_},
-                                frames_.data() + n * row_ + 1);
+            write_displacements(*steps_[n], steps_[n]->first_displaced(lateral, slice),
+                                {first_, last_}, frames_.data() + n * row_ + 1);
         if (steps_.size() > 1) weighted_mean(over_, of_frames_.data(), size_, mean_.data());
         auto& now = steps_.size() == 1 ? frames_ : mean_;
         now.front() = static_cast<float>(spans_.front().before);
@@ -206,8 +206,8 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplaceme
     int last = first_;
     for (int slice = step.first_slice(); slice <= step.last_slice(); ++slice)
         for (int lateral = step.first_lateral(); lateral <= step.last_lateral(); ++lateral)
-            last = std::max(last,
-                            std::min(step.bounds(lateral, slice).back() + reach + 1, step.last()));
+            last = std::max(last, std::min(step.first_displaced(lateral, slice).back() + reach + 1,
+                                           step.last()));
     resize(last);
 
     const auto laterals = static_cast<std::size_t>(laterals_);
@@ -225,7 +225,7 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplaceme
             for (auto column = range.begin(); column < range.end(); ++column) {
                 const int lateral = step.first_lateral() + static_cast<int>(column % laterals),
                           slice = step.first_slice() + static_cast<int>(column / laterals);
-                const auto bounds = step.bounds(lateral, slice);
+                const auto bounds = step.first_displaced(lateral, slice);
                 std::size_t passed = CarveStep::passed(from, bounds);
                 for (int e = from; e <= to; ++e) {
                     while (passed < bounds.size() && bounds[passed] <= e) ++passed;

@@ -31,13 +31,13 @@ public:
             places_[n] = {
                 weights_[n] > 0 && next_j ? (step.around() ? (j + 1) % step.laterals() : j + 1) : j,
                 weights_[n] > 0 && next_k ? (step.closed() ? (k + 1) % step.slices() : k + 1) : k};
-            all_[n] = step.bounds(places_[n][0], places_[n][1]);
+            all_[n] = step.first_displaced(places_[n][0], places_[n][1]);
         }
     }
 
     /// Number of bounds in each column.
     std::size_t size() const { return all_[0].size(); }
-    /// The n-th of CarveStep::bounds, interpolated between the columns; an entry.
+    /// The n-th of CarveStep::first_displaced, interpolated between the columns; an entry.
     double bound(std::size_t n) const {
         return between([&](std::size_t column) { return static_cast<double>(all_[column][n]); });
     }

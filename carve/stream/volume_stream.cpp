@@ -11,7 +11,7 @@ namespace fluidcarve {
 
 namespace {
 
-void write_plane(const Plane& plane, BinaryWriter& out) {
+void write_plane(const ChannelPixels& plane, BinaryWriter& out) {
     for (const auto* const box : {&plane.box, &plane.stored})
         for (const auto& corner : {box->min(), box->max()}) out.value(corner);
     std::vector<float> values;
@@ -22,8 +22,8 @@ void write_plane(const Plane& plane, BinaryWriter& out) {
     out.list(values);
 }
 
-Plane read_plane(BinaryReader& in) {
-    Plane out;
+ChannelPixels read_plane(BinaryReader& in) {
+    ChannelPixels out;
     for (auto* const box : {&out.box, &out.stored}) {
         const auto low = in.value<openvdb::Coord>();
         *box = {low, in.value<openvdb::Coord>()};
@@ -52,8 +52,8 @@ void Stored<Volume>::write(const Volume& volume, std::ostream& to) {
     GridWriter grids(to);
     for (const auto& grid : volume.grids) {
         grids.write(grid.header());
-        out.value(grid.plane() != nullptr);
-        if (grid.plane()) write_plane(*grid.plane(), out);
+        out.value(grid.pixels() != nullptr);
+        if (grid.pixels()) write_plane(*grid.pixels(), out);
     }
     write_metadata(volume.metadata, out);
     out.text(volume.codec);

@@ -263,7 +263,7 @@ openvdb::GridBase::ConstPtr grid_chosen(const openvdb::GridBase::ConstPtr& a,
 
 /// A picture's channel, made pixel by pixel. @param value  by x and y
 template <class Value>
-Plane picture(const openvdb::CoordBBox& box, const Value& value) {
+ChannelPixels picture(const openvdb::CoordBBox& box, const Value& value) {
     const auto width = box.dim().x();
     const auto values = std::make_shared<std::vector<float>>(box.volume());
     tbb::parallel_for(0, box.dim().y(), [&](int row) {
@@ -277,7 +277,7 @@ Plane picture(const openvdb::CoordBBox& box, const Value& value) {
 
 /// The value between pixels: bilinear, the rim is repeated beyond. If the result is not finite,
 /// the nearest pixel.
-float sample(const Plane& plane, double x, double y) {
+float sample(const ChannelPixels& plane, double x, double y) {
     const auto &low = plane.box.min(), &high = plane.box.max();
     x = std::clamp(x, double(low.x()), double(high.x()));
     y = std::clamp(y, double(low.y()), double(high.y()));
@@ -294,8 +294,8 @@ float sample(const Plane& plane, double x, double y) {
 
 /// Blends a picture's channel of two frames, as grid_mixed(); but the rim is repeated beyond it.
 /// @param motion  null: nothing moves
-Plane picture_mixed(const Plane& a, const Plane& b, const ShareAt& share, const VectorGrid* motion,
-                    const openvdb::math::Transform& transform) {
+ChannelPixels picture_mixed(const ChannelPixels& a, const ChannelPixels& b, const ShareAt& share,
+                            const VectorGrid* motion, const openvdb::math::Transform& transform) {
     const double voxel = transform.voxelSize().x();
     const int z = a.box.min().z();
     return picture(a.box, [&](int x, int y) {
@@ -308,7 +308,7 @@ Plane picture_mixed(const Plane& a, const Plane& b, const ShareAt& share, const 
                                 voxel
                           : openvdb::Vec3d(0);
         };
-        const auto at = [&](const Plane& plane, double time) {
+        const auto at = [&](const ChannelPixels& plane, double time) {
             const auto first = way(x, y),
                        middle = way(x - 0.5 * time * first.x(), y - 0.5 * time * first.y());
             return sample(plane, x - time * middle.x(), y - time * middle.y());
@@ -345,10 +345,10 @@ Volume mixed(const Volume& a, const Volume& b, const ShareAt& share, const Volum
             each = each.holding(grid_mixed(old.get(), now.get(), share, ways));
         };
         if (each.header().isType<FloatGrid>()) {
-            if (before && after && before.plane() && after.plane() &&
-                before.plane()->box == after.plane()->box)
+            if (before && after && before.pixels() && after.pixels() &&
+                before.pixels()->box == after.pixels()->box)
                 each = VolumeGrid(each.header().copyGridWithNewTree(),
-                                  picture_mixed(*before.plane(), *after.plane(), share, motion,
+                                  picture_mixed(*before.pixels(), *after.pixels(), share, motion,
                                                 each.header().transform()));
             else mix(static_cast<const FloatGrid*>(nullptr));
         } else if (each.header().isType<VectorGrid>()) mix(static_cast<const VectorGrid*>(nullptr));
@@ -397,7 +397,7 @@ Volume volume_mixed(const Volume& a, const Volume& b, const ShareAt& share, cons
                  });
 }
 
-Volume scaled(const Volume& volume, const std::string& name, double by) {
+Volume velocities_scaled(const Volume& volume, const std::string& name, double by) {
     auto out = volume;
     if (by == 1) return out;
     for (auto& grid : out.grids)

@@ -46,6 +46,6 @@ Volume volume_mixed(const Volume& a, const Volume& b, const ShareAt& share, cons
 
 /// Multiplies velocities by a number, as if time went faster: vector grids called `name`, which
 /// may be empty, and the velocities of points.
-Volume scaled(const Volume& volume, const std::string& name, double by);
+Volume velocities_scaled(const Volume& volume, const std::string& name, double by);
 
 }  // namespace fluidcarve

@@ -32,7 +32,7 @@ public:
 
     /// Call it once all frames are added.
     /// @param count  of the seams, from the first on
-    /// @param left   numbers of the frames that the carve leaves (FramesCarved)
+    /// @param left   numbers of the frames that the carve leaves (FrameCarvePromise)
     /// @throws Failure if the seams are of other frames, or as TimeMap
     void finish(const Seams& seams, std::size_t count, const std::vector<int>& left,
                 const JoinParams& join, std::uint64_t memory_budget);

@@ -15,7 +15,7 @@ namespace {
 /// Multiplies the active values.
 template <class GridT>
 openvdb::GridBase::ConstPtr multiplied(const openvdb::GridBase::ConstPtr& base,
-                                       const ShareAt& rate) {
+                                       const RateAt& rate) {
     using Value = typename GridT::ValueType;
     const auto grid = openvdb::gridConstPtrCast<GridT>(base);
     const auto out = grid->deepCopy();
@@ -30,7 +30,7 @@ openvdb::GridBase::ConstPtr multiplied(const openvdb::GridBase::ConstPtr& base,
 
 }  // namespace
 
-Volume paced(const Volume& volume, const ShareAt& rate) {
+Volume paced(const Volume& volume, const RateAt& rate) {
     auto out = volume;
     for (auto& each : out.grids) {
         const auto& header = each.header();
@@ -45,7 +45,7 @@ Volume paced(const Volume& volume, const ShareAt& rate) {
     return out;
 }
 
-Points paced(const Points& points, const ShareAt& rate) {
+Points paced(const Points& points, const RateAt& rate) {
     const auto name = velocity_name(points);
     auto velocities = vectors_of(points, name);
     if (velocities.empty()) return points;

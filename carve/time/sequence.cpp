@@ -25,8 +25,8 @@ void Sequence::add(const Volume& source, const Ref<VectorGrid>& velocity, int nu
     frames_.add(std::make_shared<Volume>(std::move(frame)), number, limits);
     for (const auto& grid : source.grids)
         if (grid.header().isType<FloatGrid>())
-            box_.expand(grid.plane() ? grid.plane()->box
-                                     : grid.header().evalActiveVoxelBoundingBox());
+            box_.expand(grid.pixels() ? grid.pixels()->box
+                                      : grid.header().evalActiveVoxelBoundingBox());
     has_velocity_ = velocity != nullptr;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "carve/base/descriptor.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -12,15 +14,12 @@ namespace fluidcarve {
 class SpillFile {
 public:
     struct Place {
-        std::int64_t begin = 0;
+        std::uint64_t begin = 0;
         std::size_t size = 0;
     };
 
     /// @param folder  for the file; created if missing
     explicit SpillFile(std::string folder) : folder_(std::move(folder)) {}
-    ~SpillFile();
-    SpillFile(const SpillFile&) = delete;
-    SpillFile& operator=(const SpillFile&) = delete;
 
     /// @throws Failure if there is no room
     Place add(std::string_view bytes);
@@ -29,8 +28,8 @@ public:
 
 private:
     std::string folder_;
-    std::int64_t end_ = 0;
-    int file_ = -1;
+    std::uint64_t end_ = 0;
+    Descriptor file_{-1};
 };
 
 }  // namespace fluidcarve

@@ -223,7 +223,7 @@ double TimeMap::at(const Moments& moments, const openvdb::Vec3d& world) const {
     return out;
 }
 
-ShareAt TimeMap::rate(int n) const {
+RateAt TimeMap::rate(int n) const {
     const int before = std::max(n - 1, 0), after = std::min(n + 1, frames_ - 1);
     if (before == after || !join_.moved || join_.fade == 1) return nullptr;
     return [this, from = moments(before), to = moments(after), frames = after - before](

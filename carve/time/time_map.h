@@ -9,6 +9,7 @@
 #include "carve/stream/points_stream.h"
 #include "carve/time/frame_list.h"
 #include "carve/time/motions.h"
+#include "carve/time/paced.h"
 #include "carve/time/points_between.h"
 #include "carve/time/sequence.h"
 #include "carve/volume/volume.h"
@@ -64,7 +65,7 @@ public:
     /// Rate of time in a frame of the result: frames of the source per frame, by world position.
     /// Null: 1 everywhere, since frames are cut or blended, and each side moves at its own speed.
     /// Must not outlive this.
-    ShareAt rate(int n) const;
+    RateAt rate(int n) const;
 
 private:
     /// A frame of the source that shows in a frame of the result.

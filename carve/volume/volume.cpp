@@ -1,9 +1,10 @@
 #include "carve/volume/volume.h"
 
+#include "carve/base/numbers.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <string_view>
 
 namespace fluidcarve {
@@ -17,13 +18,12 @@ std::optional<std::size_t> find_name(const std::vector<std::string>& names,
         return place(found);
     const auto open = wanted.rfind('[');
     if (open == std::string::npos || !wanted.ends_with(']')) return std::nullopt;
-    std::size_t number = 0;
-    const auto* const last = wanted.data() + wanted.size() - 1;
-    if (const auto [end, error] = std::from_chars(wanted.data() + open + 1, last, number);
-        error != std::errc{} || end != last)
-        return std::nullopt;
+    auto number =
+        number_of<std::size_t>(std::string_view(wanted).substr(open + 1, wanted.size() - open - 2));
+    if (!number) return std::nullopt;
     for (auto found = names.begin(); found != names.end(); ++found)
-        if (std::string_view(*found) == std::string_view(wanted).substr(0, open) && number-- == 0)
+        if (std::string_view(*found) == std::string_view(wanted).substr(0, open) &&
+            (*number)-- == 0)
             return place(found);
     return std::nullopt;
 }

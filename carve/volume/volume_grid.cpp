@@ -15,7 +15,7 @@ using openvdb::CoordBBox;
 
 /// The tree of a plane, with one leaf per 8 x 8 voxels.
 template <class GridT>
-openvdb::GridBase::Ptr tree_of(const openvdb::GridBase& header, const Plane& plane) {
+openvdb::GridBase::Ptr tree_of(const openvdb::GridBase& header, const ChannelPixels& plane) {
     using Value = typename GridT::ValueType;
     using Leaf = typename GridT::TreeType::LeafNodeType;
     const auto& box = plane.box;
@@ -45,7 +45,7 @@ openvdb::GridBase::Ptr tree_of(const openvdb::GridBase& header, const Plane& pla
 
 /// The plane of a grid, if its active voxels fill a rectangle of one z.
 template <class GridT>
-std::shared_ptr<const Plane> plane_of(const GridT& grid) {
+std::shared_ptr<const ChannelPixels> plane_of(const GridT& grid) {
     using Value = typename GridT::ValueType;
     const auto box = grid.evalActiveVoxelBoundingBox();
     if (box.empty() || box.min().z() != box.max().z() || grid.background() != Value(0) ||
@@ -55,14 +55,14 @@ std::shared_ptr<const Plane> plane_of(const GridT& grid) {
     openvdb::tools::Dense<Value, openvdb::tools::LayoutXYZ> dense(
         box, reinterpret_cast<Value*>(values->data()));
     openvdb::tools::copyToDense(grid, dense);
-    return std::make_shared<const Plane>(
-        Plane{box, box, std::shared_ptr<const float>(values, values->data()), 1, box.dim().x()});
+    return std::make_shared<const ChannelPixels>(ChannelPixels{
+        box, box, std::shared_ptr<const float>(values, values->data()), 1, box.dim().x()});
 }
 
 }  // namespace
 
-VolumeGrid::VolumeGrid(openvdb::GridBase::ConstPtr header, Plane plane)
-    : grid_(std::move(header)), plane_(std::make_shared<const Plane>(std::move(plane))) {}
+VolumeGrid::VolumeGrid(openvdb::GridBase::ConstPtr header, ChannelPixels plane)
+    : grid_(std::move(header)), plane_(std::make_shared<const ChannelPixels>(std::move(plane))) {}
 
 openvdb::GridBase::ConstPtr VolumeGrid::grid() const {
     if (!plane_) return grid_;

@@ -12,7 +12,7 @@ namespace fluidcarve {
 
 /// The values of a picture's channel as an array. A tree would take eight times the memory: its
 /// leaves are eight voxels deep.
-struct Plane {
+struct ChannelPixels {
     openvdb::CoordBBox box;  ///< the active voxels, all of one z
     /// The voxels with stored values; the other voxels of `box` are 0. May be empty.
     openvdb::CoordBBox stored;
@@ -39,7 +39,7 @@ public:
     VolumeGrid(std::shared_ptr<GridT> grid) : grid_(std::move(grid)) {}
     /// @param header  a grid of floats or of whole numbers (Int32Grid) without voxels and with a
     ///   background of 0
-    VolumeGrid(openvdb::GridBase::ConstPtr header, Plane plane);
+    VolumeGrid(openvdb::GridBase::ConstPtr header, ChannelPixels plane);
 
     /// Type, name, transform and metadata of the grid, perhaps without its voxels.
     const openvdb::GridBase& header() const { return *grid_; }
@@ -50,7 +50,7 @@ public:
     openvdb::GridBase::ConstPtr operator->() const { return grid(); }
     explicit operator bool() const { return grid_ != nullptr; }
     /// Null if the grid is a tree.
-    const Plane* plane() const { return plane_.get(); }
+    const ChannelPixels* pixels() const { return plane_.get(); }
     /// A changed grid, held as this one is: as a plane if this is one, and the grid's active voxels
     /// fill a rectangle of one z.
     VolumeGrid holding(const openvdb::GridBase::ConstPtr& changed) const;
@@ -61,7 +61,7 @@ public:
 
 private:
     openvdb::GridBase::ConstPtr grid_;
-    std::shared_ptr<const Plane> plane_;
+    std::shared_ptr<const ChannelPixels> plane_;
 };
 
 }  // namespace fluidcarve

@@ -1,10 +1,11 @@
 #include "formats/file/path_pattern.h"
 
+#include "carve/base/numbers.h"
+
 #include <fmt/format.h>
 
 #include <glob.h>
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <utility>
 
@@ -34,10 +35,8 @@ std::size_t count(std::string_view text, std::size_t from, bool (*wanted)(char))
 
 /// Parses the width of a token: number of digits, 0 if the text is not a valid width.
 int width_of(std::string_view text) {
-    int out = 0;
-    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), out);
-    return error == std::errc{} && stop == text.data() + text.size() && out <= most_digits ? out
-                                                                                           : 0;
+    const auto out = number_of<int>(text).value_or(0);
+    return out <= most_digits ? out : 0;
 }
 
 Token percent_token(std::string_view text) {

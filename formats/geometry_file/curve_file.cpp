@@ -27,7 +27,7 @@ using Words = std::vector<std::string_view>;
 constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
 
 bool is_number(std::string_view word) {
-    const auto number = number_of<double>(word);
+    const auto number = number_of_word<double>(word);
     return number && std::isfinite(*number);
 }
 
@@ -103,7 +103,7 @@ std::vector<Vec3d> read_obj(FileText& file) {
     std::vector<Vec3d> vertices;
     Chain chain;
     const auto vertex = [&](std::string_view word) {
-        const auto stated = number_of<long>(word.substr(0, word.find('/')));
+        const auto stated = number_of_word<long>(word.substr(0, word.find('/')));
         const auto out = stated ? obj_index(*stated, vertices.size()) : std::nullopt;
         if (!out || *out >= vertices.size())
             file.fault(

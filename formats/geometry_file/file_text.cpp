@@ -71,13 +71,13 @@ double FileText::number(std::string_view word) const {
 }
 
 double FileText::any_number(std::string_view word) const {
-    const auto out = number_of<double>(word);
+    const auto out = number_of_word<double>(word);
     if (!out) fault(fmt::format("{} is no number", quoted(word)));
     return *out;
 }
 
 long FileText::whole(std::string_view word) const {
-    const auto out = number_of<long>(word);
+    const auto out = number_of_word<long>(word);
     if (!out) fault(fmt::format("{} is no whole number", quoted(word)));
     return *out;
 }

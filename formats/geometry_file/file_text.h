@@ -1,13 +1,13 @@
 #pragma once
 
+#include "carve/base/numbers.h"
+
 #include "formats/file/input_file.h"
 
-#include <charconv>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 namespace fluidcarve {
@@ -17,8 +17,8 @@ class FileText {
 public:
     static constexpr auto all = static_cast<std::size_t>(-1);
 
+    /// Reads a file without its byte order mark, if it has one of UTF-8.
     /// @param most  reads only so many bytes from the beginning
-    /// Skips a byte order mark of UTF-8.
     /// @throws Unreadable if the file can't be read; Failure (input) if it is in UTF-16
     explicit FileText(const InputFile& file, std::size_t most = all);
 
@@ -78,15 +78,11 @@ constexpr std::string_view blanks = " \t\r\v\f";
 /// The words of a line. @param separators  characters between words
 std::vector<std::string_view> words_of(std::string_view line, std::string_view separators = blanks);
 
-/// The number that a whole word states, perhaps behind a `+`; nothing if it is not a number, or
-/// too large for its type.
+/// As number_of(), but a `+` may precede the number.
 template <class Number>
-std::optional<Number> number_of(std::string_view word) {
+std::optional<Number> number_of_word(std::string_view word) {
     if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
-    Number out{};
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), out);
-    return error == std::errc{} && end == word.data() + word.size() ? std::optional(out)
-                                                                    : std::nullopt;
+    return number_of<Number>(word);
 }
 
 /// A word of a file for messages: in quotes, at most 40 characters, with `?` for all but printable

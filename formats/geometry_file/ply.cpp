@@ -70,7 +70,7 @@ PlyStatement PlyHeader::take(std::string_view line) {
         else encoding = static_cast<NumberForm>(found - encoding_names.begin());
     } else if (keyword == "element") {
         out.kind = Kind::element;
-        const auto count = number_of<std::int64_t>(out.word(2));
+        const auto count = number_of_word<std::int64_t>(out.word(2));
         if (!count || *count < 0) out.wrong = out.word(2);
         elements.push_back(
             {std::string(out.word(1)), out.wrong ? 0 : static_cast<std::size_t>(*count), {}});

@@ -145,7 +145,7 @@ VolumeGrid grid_of(const std::shared_ptr<const Image>& image, std::size_t channe
     }
     header->setName(name);
     header->insertMeta(depth_key, openvdb::StringMetadata(depth));
-    Plane plane{box, upright.voxels(image->data), nullptr};
+    ChannelPixels plane{box, upright.voxels(image->data), nullptr};
     const PixelPlaces places(image->data, upright);
     const auto count = static_cast<std::ptrdiff_t>(image->channels.size());
     plane.along_x = places.along_x() * count;
@@ -224,8 +224,9 @@ void read_channel(const GridT& grid, const CoordBBox& voxels, const tbb::blocked
 }
 
 /// The same for a plane, whose pixels outside of its box are 0.
-void read_plane(const Plane& plane, const CoordBBox& voxels, const tbb::blocked_range<int>& rows,
-                const PixelPlaces& places, std::size_t count, float* out) {
+void read_plane(const ChannelPixels& plane, const CoordBBox& voxels,
+                const tbb::blocked_range<int>& rows, const PixelPlaces& places, std::size_t count,
+                float* out) {
     for (int y = rows.begin(); y < rows.end(); ++y)
         for (int x = voxels.min().x(); x <= voxels.max().x(); ++x)
             out[places(x, y) * count] = plane.at(x, y);
@@ -247,7 +248,7 @@ void read_pixels(const Channels& channels, const Upright& upright, int z, Image&
                                   read_channel(grid, voxels, rows, z, places, count, first);
                               };
                               const auto& header = channels[c].header();
-                              if (const auto* const plane = channels[c].plane())
+                              if (const auto* const plane = channels[c].pixels())
                                   read_plane(*plane, voxels, rows, places, count, first);
                               else if (header.isType<FloatGrid>())
                                   read(static_cast<const FloatGrid&>(header));
@@ -342,7 +343,7 @@ CoordBBox box_of(const Channels& channels) {
     CoordBBox out;
     for (const auto& channel : channels) {
         const auto& grid = channel.header();
-        if (const auto* const plane = channel.plane()) out.expand(plane->box);
+        if (const auto* const plane = channel.pixels()) out.expand(plane->box);
         else
             out.expand(grid.isType<FloatGrid>() ? active_box(static_cast<const FloatGrid&>(grid))
                                                 : grid.evalActiveVoxelBoundingBox());

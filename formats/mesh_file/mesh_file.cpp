@@ -4,7 +4,7 @@
 #include "carve/base/words.h"
 #include "formats/file/output_file.h"
 #include "formats/geometry_file/provenance_comments.h"
-#include "formats/mesh_file/formats.h"
+#include "formats/mesh_file/mesh_formats.h"
 
 #include <fmt/format.h>
 
@@ -122,21 +122,6 @@ std::string to_text(const Mesh::Attribute& attribute) {
 std::string to_text(Mesh::Attribute::On on) {
     using On = Mesh::Attribute::On;
     return on == On::vertices ? "vertices" : on == On::faces ? "faces" : "corners";
-}
-
-double full_light(Mesh::Attribute::Type type) {
-    using Type = Mesh::Attribute::Type;
-    switch (type) {
-        case Type::int8: return std::numeric_limits<std::int8_t>::max();
-        case Type::uint8: return std::numeric_limits<std::uint8_t>::max();
-        case Type::int16: return std::numeric_limits<std::int16_t>::max();
-        case Type::uint16: return std::numeric_limits<std::uint16_t>::max();
-        case Type::int32: return std::numeric_limits<std::int32_t>::max();
-        case Type::uint32: return std::numeric_limits<std::uint32_t>::max();
-        case Type::float32:
-        case Type::float64: break;
-    }
-    return 1;
 }
 
 void lose(Losses& losses, const Mesh::Attribute& attribute, const std::string& why) {

@@ -1,6 +1,6 @@
 #include "formats/geometry_file/obj.h"
 #include "formats/geometry_file/provenance_comments.h"
-#include "formats/mesh_file/formats.h"
+#include "formats/mesh_file/mesh_formats.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -226,7 +226,7 @@ public:
 
     void put_vertices(const std::vector<Vec3d>& points) {
         const auto* const extra = attributes_.extra;
-        const double light = extra ? full_light(extra->type) : 1;
+        const double light = extra ? full_intensity(extra->type) : 1;
         for (std::size_t n = 0; n < points.size(); ++n) {
             fmt::format_to(to_, "v {} {} {}", points[n].x(), points[n].y(), points[n].z());
             if (extra)

@@ -1,4 +1,4 @@
-#include "formats/mesh_file/formats.h"
+#include "formats/mesh_file/mesh_formats.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -104,7 +104,7 @@ Attribute colour(Attribute::On on, std::size_t parts) {
 /// integers.
 void put_colours(fmt::memory_buffer& text, const Attribute& attribute, std::size_t n) {
     const auto to = std::back_inserter(text);
-    const double light = full_light(attribute.type);
+    const double light = full_intensity(attribute.type);
     const bool index = attribute.name == "colour_index";
     for (const double part : attribute.entry(n))
         if (light == 1) {
@@ -220,7 +220,7 @@ OffAttributes off_attributes(const Mesh& mesh, std::vector<Attribute>& made, Los
                              several, several == 1 ? "vertex has" : "vertices have"));
     }
     for (const auto* const attribute : {out.colours, out.painted})
-        if (attribute && attribute->name == "colour" && full_light(attribute->type) > 255)
+        if (attribute && attribute->name == "colour" && full_intensity(attribute->type) > 255)
             losses.push_back(
                 fmt::format("colours of {} are rounded to bytes: .off holds no finer whole ones",
                             to_text(attribute->on)));

@@ -1,6 +1,6 @@
 #include "formats/geometry_file/ply.h"
 #include "formats/geometry_file/provenance_comments.h"
-#include "formats/mesh_file/formats.h"
+#include "formats/mesh_file/mesh_formats.h"
 
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@ using openvdb::Vec3d;
 
 /// Whether an integer type holds a number exactly.
 bool is_one_of(Type type, double number) {
-    const double most = full_light(type),
+    const double most = full_intensity(type),
                  least = type == Type::int8 || type == Type::int16 || type == Type::int32
                              ? -most - 1
                              : 0;

@@ -1,6 +1,6 @@
 #include "carve/base/whole.h"
 #include "carve/mesh/triangles.h"
-#include "formats/mesh_file/formats.h"
+#include "formats/mesh_file/mesh_formats.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "formats/mesh_file/usda.h"
 
 #include "formats/geometry_file/usda.h"
-#include "formats/mesh_file/formats.h"
+#include "formats/mesh_file/mesh_formats.h"
 
 namespace fluidcarve {
 namespace {
@@ -42,7 +42,7 @@ bool put_as_own(UsdGeometry& out, const Mesh::Attribute& attribute) {
         out.add({"normal3f", "normals", on, 3}, entries_of(attribute, 0, 3));
     } else if (name == "colour" && (parts == 3 || parts == 4) &&
                !out.has("primvars:displayColor") && !out.has("primvars:displayOpacity")) {
-        const double light = 1 / full_light(attribute.type);
+        const double light = 1 / full_intensity(attribute.type);
         out.add({"color3f", "primvars:displayColor", on, 3}, entries_of(attribute, 0, 3, light));
         if (parts == 4)
             out.add({"float", "primvars:displayOpacity", on}, entries_of(attribute, 3, 4, light));

@@ -126,10 +126,6 @@ void look_at_points(const std::string& path, const std::string& grid) {
     }
 }
 
-openvdb::GridBase::ConstPtr in_grid(const Points& points) {
-    return points.grid ? points.grid : placed(grid_of(*points.ply), points.placement);
-}
-
 bool names_ply(const std::string& path) { return ending_of(path) == ".ply"; }
 
 Unsaid write_points(const std::string& path, const Points& points, const Volume* beside,

@@ -27,9 +27,6 @@ Points read_points(const std::string& path, const std::string& grid, PointOffset
 /// @throws Failure (input) as read_points, except for faults of the points themselves
 void look_at_points(const std::string& path, const std::string& grid);
 
-/// The points as a grid in the shot's world, with a stored form (stored_form.h).
-openvdb::GridBase::ConstPtr in_grid(const Points& points);
-
 /// Information that a written file does not hold.
 struct Unsaid {
     /// Names of attributes that PLY can't hold; they were not written.

@@ -52,13 +52,6 @@ std::vector<double> values_of(const PointTable& points, const UsdAttribute& attr
     return out;
 }
 
-/// The value of full intensity of a colour.
-double full_colour(NumberType type) {
-    return is_floating(type) ? 1 : with_number_type(type, [](auto zero) {
-        return static_cast<double>(std::numeric_limits<decltype(zero)>::max());
-    });
-}
-
 /// Adds an attribute as USD's own one. @return false if USD has none, or the prim has it already
 bool put_as_own(UsdGeometry& out, const PointTable& points, const UsdAttribute& attribute) {
     const auto type = points.columns[attribute.first].type;
@@ -68,7 +61,7 @@ bool put_as_own(UsdGeometry& out, const PointTable& points, const UsdAttribute& 
         out.add({"normal3f", "normals", {}, 3}, values_of(points, attribute));
     } else if (vector && name == "colour" && !out.has("primvars:displayColor")) {
         out.add({"color3f", "primvars:displayColor", "vertex", 3},
-                values_of(points, attribute, 1 / full_colour(type)));
+                values_of(points, attribute, 1 / full_intensity(type)));
     } else if (vector && floats && (name == "velocity" || name == "v") && !out.has("velocities")) {
         out.add({"vector3f", "velocities", {}, 3}, values_of(points, attribute));
     } else if (!vector && !floats && name == "id" && !out.has("ids")) {

@@ -355,16 +355,16 @@ void write_seams(const std::string& path, const Seams& seams, const Provenance& 
     write_vdb(path, volume);
 }
 
-std::optional<FramesCarved> frames_carved_by(const std::string& path) try {
+std::optional<FrameCarvePromise> frames_carved_by(const std::string& path) try {
     const auto header = read_vdb_header(path);
     if (seam_text(header.metadata, "fluidcarve_axis", path) != to_text(Axis::t))
         return std::nullopt;
     const auto count = static_cast<int>(header.grids.size());
-    if (count == 0) return FramesCarved{};
+    if (count == 0) return FrameCarvePromise{};
     const auto& first = header.grids[header.place(seam_name(0))].metadata;
     const bool paired = header.find(pair_name(0)).has_value();
     const bool inserts = seam_text(first, "kind", path) == to_text(Seams::Kind::insert);
-    return FramesCarved{{static_cast<double>(inserts ? count : -count)}, paired};
+    return FrameCarvePromise{{static_cast<double>(inserts ? count : -count)}, paired};
 } catch (const Failure&) {
     return std::nullopt;  // read_seams() reports the fault
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "carve/seam/seams.h"
-#include "carve/time/frames_carved.h"
+#include "carve/time/frame_carve_promise.h"
 #include "carve/volume/volume.h"
 #include "formats/file/provenance.h"
 
@@ -28,7 +28,7 @@ Seams seams_from_volume(const Volume& volume);
 void write_seams(const std::string& path, const Seams& seams, const Provenance& provenance = {});
 /// The effect of a file's seams on the frames of a sequence, by its header; nothing if they are
 /// not seams of frames, or if the file can't be read.
-std::optional<FramesCarved> frames_carved_by(const std::string& path);
+std::optional<FrameCarvePromise> frames_carved_by(const std::string& path);
 /// Reads a seam file.
 /// @throws Failure (input) naming the file
 Seams read_seams(const std::string& path);

@@ -3,12 +3,12 @@
 #include "carve/base/failure.h"
 #include "carve/base/words.h"
 #include "carve/field/dense.h"
+#include "carve/grid/named_grids.h"
 #include "carve/stream/openvdb_types.h"
 #include "carve/stream/point_check.h"
 #include "carve/stream/raw_grid.h"
 #include "carve/stream/tree_check.h"
 #include "formats/file/input_file.h"
-#include "formats/vdb/grid_names.h"
 #include "formats/vdb/vdb_parts.h"
 
 #include <fmt/format.h>

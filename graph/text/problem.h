@@ -22,6 +22,8 @@ struct Mark {
     std::shared_ptr<const Source> source;
     int line = 0;
     int column = 0;
+
+    auto operator<=>(const Mark&) const = default;
 };
 
 /// A fault in the user's text. All problems are found before any data is opened, and reported

@@ -45,6 +45,8 @@ public:
 
     /// Whether the body runs for one frame of many; false in `finish` and in nodes that run once.
     bool per_frame() const { return per_frame_; }
+    /// The frame in a report: its number, or "all".
+    std::string frame_name() const { return per_frame_ ? std::to_string(frame()) : "all"; }
 
     /// Whether the run reads this output. Bodies may leave unread outputs empty.
     bool wants(std::string_view output) const { return !wants_ || wants_(output); }

@@ -12,7 +12,7 @@
 namespace fluidcarve {
 
 /// How much a growing result holds.
-struct Extent {
+struct ItemCount {
     std::size_t count = 0;  ///< items, such as seams
     std::size_t of = 0;     ///< 100 % of a count given as a percentage
 };
@@ -24,8 +24,8 @@ struct Growth {
     std::string param;  ///< the parameter with the wanted count; not part of the cache key
     /// The part of that parameter that belongs to the cache key, as text.
     std::function<std::string(const void* params)> rest;
-    std::function<Extent(const Payload& result)> extent;  ///< extent of a result
-    /// The wanted count. @param of  as Extent::of
+    std::function<ItemCount(const Payload& result)> item_count;  ///< of a result
+    /// The wanted count. @param of  as ItemCount::of
     std::function<std::size_t(const void* params, std::size_t of)> wanted;
     /// The first `count` items of a result. Changes `entry`, the report entry of the whole result,
     /// to that of the cut one.

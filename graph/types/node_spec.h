@@ -2,7 +2,7 @@
 
 #include "formats/file/path_pattern.h"
 #include "graph/types/context.h"
-#include "graph/types/further.h"
+#include "graph/types/further_dependencies.h"
 #include "graph/types/growth.h"
 #include "graph/types/node_check.h"
 #include "graph/types/node_hooks.h"
@@ -172,7 +172,7 @@ struct NodeType {
     /// Called after a run with what the node reported of all its frames; empty: nothing to say.
     std::function<void(const void* params, const nlohmann::ordered_json& frames, Context&)>
         conclude;
-    std::function<Further(const void* params)> depends;  ///< empty: on nothing else
+    std::function<FurtherDependencies(const void* params)> depends;  ///< empty: on nothing else
     std::function<std::vector<OutputSpec>(const void* params)> named_outputs;
     std::function<Behaviour(std::shared_ptr<const void> params)> bind;
 

@@ -2,7 +2,7 @@
 
 #include "formats/file/path_pattern.h"
 #include "graph/types/context.h"
-#include "graph/types/further.h"
+#include "graph/types/further_dependencies.h"
 #include "graph/types/growth.h"
 #include "graph/types/node_check.h"
 #include "graph/types/node_hooks.h"
@@ -71,12 +71,12 @@ namespace fluidcarve {
 ///         looks before the run at where its inputs lie
 ///     static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&);
 ///         with Declare::concludes
-///     static Further depends(const Params&);
+///     static FurtherDependencies depends(const Params&);
 ///         names what its results depend on, too, such as what a script imports
 ///
-/// `conclude` is called once after a run, if all of the node's frames are done, in this run or an
-/// earlier one, with what it reported of them in one section, by frame number; of a node that runs
-/// once, its only entry. It warns, reports and tells lines.
+/// `conclude` is called once after a run if all of the node's frames are done, in this run or an
+/// earlier one. `frames` holds the reports of one section by frame number; of a node that runs
+/// once, its only report. It warns, reports and tells lines.
 ///
 /// A node with a growing result (Declare::grows, Growth) may have
 ///
@@ -387,9 +387,9 @@ private:
     static_assert(
         !detail::has_depends<Node> ||
             requires(const Params& params) {
-                { Node::depends(params) } -> std::same_as<Further>;
+                { Node::depends(params) } -> std::same_as<FurtherDependencies>;
             },
-        "`depends` must be `static Further depends(const Params&)`");
+        "`depends` must be `static FurtherDependencies depends(const Params&)`");
 
     template <class T, class P>
     static ParamSpec make_param(std::string name, T P::*member, Unit unit, Range range,

@@ -1,11 +1,11 @@
 #include "graph/types/param.h"
 
+#include "carve/base/numbers.h"
 #include "carve/base/words.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <charconv>
 #include <climits>
 #include <cmath>
 
@@ -51,13 +51,10 @@ std::optional<P> read_path(const Value& value, ValueReader& reader, std::string 
 }  // namespace
 
 std::optional<double> parse_number(std::string_view text) {
-    // from_chars does not accept a plus sign.
+    // number_of() does not accept a plus sign.
     if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
-    double out = 0;
-    const auto* const end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data(), end, out);
-    return stop == end && error == std::errc{} && std::isfinite(out) ? std::optional(out)
-                                                                     : std::nullopt;
+    const auto out = number_of<double>(text);
+    return out && std::isfinite(*out) ? out : std::nullopt;
 }
 
 std::string to_text(const Range& range) {

@@ -20,7 +20,7 @@ struct Pick {
 };
 
 /// Facts about a payload in a frame before it is read.
-struct Foreseen {
+struct SurveyedFacts {
     std::optional<std::vector<std::string>> grids;  ///< names of its grids, in their order
     /// Width and height of the picture that the payload is, or covers; pixels.
     std::optional<std::array<int, 2>> pixels;
@@ -46,9 +46,9 @@ public:
     /// The file, or a grid in it, is missing or unreadable.
     virtual void missing(int frame, const std::string& message) = 0;
     /// States facts about a reader's output.
-    virtual void delivers(int frame, std::string_view output, Foreseen what) = 0;
+    virtual void delivers(int frame, std::string_view output, SurveyedFacts what) = 0;
     /// Facts about an input; null: unknown.
-    virtual const Foreseen* receives(int frame, std::string_view input) const = 0;
+    virtual const SurveyedFacts* receives(int frame, std::string_view input) const = 0;
     /// States the region of an output, if headers or small files tell it.
     virtual void lies(std::string_view /*output*/, const Region&) {}
     virtual void warn(const std::string& message) = 0;

@@ -213,39 +213,37 @@ Json param_of(bool whole) {
     return out;
 }
 
-}  // namespace
+/// The parts that properties refer to.
+Json definitions_of(const Registry& registry) {
+    Json out{{"insertion",
+              {{"description",
+                "Text with ${name}: a param, or an environment variable named under `env`."},
+               {"type", "string"},
+               {"pattern", "\\$\\{[^}]+\\}"}}},
+             {"number_text",
+              {{"type", "string"},
+               {"pattern", "^[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?$"}}},
+             {"port",
+              {{"description", "node or node.output"},
+               {"type", "string"},
+               {"pattern", "^[A-Za-z0-9_-]+(\\..+)?$|\\$\\{[^}]+\\}"}}},
+             {"cache", value_of({Shape::Kind::boolean, {}, {}}, any_number())},
+             {"doc", {{"description", find_field(common_fields, "doc")->doc}, {"type", "string"}}},
+             {"param", param_of(true)},
+             {"param_change", param_of(false)},
+             {"node", node_of(registry, true)},
+             {"node_change", node_of(registry, false)}};
+    out["cache"]["description"] = find_field(common_fields, "cache")->doc;
+    for (const auto& [name, type] : registry.nodes()) out[name] = fields_of(type, registry);
+    return out;
+}
 
-std::string schema(const Registry& registry) {
-    const auto map_of = [](const std::string& definition) {
-        return Json{{"additionalProperties", defined(definition)}};
-    };
+/// The fields at the top of a file.
+Json top_properties() {
     constexpr auto frames =
         "^auto$|^\\s*-?[0-9]+(--?[0-9]+([xy:]-?[0-9]+)?)?(\\s*,\\s*-?[0-9]+(--?[0-9]+([xy:]-?[0-9]+"
         ")?)?)*\\s*$";
-
-    Json definitions{
-        {"insertion",
-         {{"description",
-           "Text with ${name}: a param, or an environment variable named under `env`."},
-          {"type", "string"},
-          {"pattern", "\\$\\{[^}]+\\}"}}},
-        {"number_text",
-         {{"type", "string"},
-          {"pattern", "^[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?$"}}},
-        {"port",
-         {{"description", "node or node.output"},
-          {"type", "string"},
-          {"pattern", "^[A-Za-z0-9_-]+(\\..+)?$|\\$\\{[^}]+\\}"}}},
-        {"cache", value_of({Shape::Kind::boolean, {}, {}}, any_number())},
-        {"doc", {{"description", find_field(common_fields, "doc")->doc}, {"type", "string"}}},
-        {"param", param_of(true)},
-        {"param_change", param_of(false)},
-        {"node", node_of(registry, true)},
-        {"node_change", node_of(registry, false)}};
-    definitions["cache"]["description"] = find_field(common_fields, "cache")->doc;
-    for (const auto& [name, type] : registry.nodes()) definitions[name] = fields_of(type, registry);
-
-    auto properties = properties_of(
+    return properties_of(
         top_fields,
         {{"fluidcarve", Json{{"const", 1}}},
          {"plugins",
@@ -259,12 +257,19 @@ std::string schema(const Registry& registry) {
                                                 defined("insertion"), Json{{"type", "null"}}})}}},
          {"nodes",
           Json{{"type", "object"}, {"propertyNames", {{"pattern", "^[A-Za-z0-9_-]+$"}}}}}});
+}
 
+}  // namespace
+
+std::string schema(const Registry& registry) {
+    const auto map_of = [](const std::string& definition) {
+        return Json{{"additionalProperties", defined(definition)}};
+    };
     const Json out{
         {"$schema", "http://json-schema.org/draft-07/schema#"},
         {"title", "fluidcarve pipeline"},
         {"type", "object"},
-        {"properties", std::move(properties)},
+        {"properties", top_properties()},
         {"additionalProperties", false},
         {"if", {{"required", {"extends"}}}},
         {"then",
@@ -272,7 +277,7 @@ std::string schema(const Registry& registry) {
         {"else",
          {{"required", {"fluidcarve", "nodes"}},
           {"properties", {{"params", map_of("param")}, {"nodes", map_of("node")}}}}},
-        {"definitions", std::move(definitions)}};
+        {"definitions", definitions_of(registry)}};
     return json_text(out, 2) + "\n";
 }
 

@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <map>
 #include <set>
-#include <tuple>
 
 namespace fluidcarve {
 namespace {
@@ -23,10 +22,9 @@ using Json = nlohmann::ordered_json;
 class Finder {
 public:
     explicit Finder(const Document& document) : document_(document) {
-        std::set<std::pair<Place, std::string>> names_seen;  // an alias repeats what was inserted
+        std::set<std::pair<Mark, std::string>> names_seen;  // an alias repeats what was inserted
         for (const auto& [in, name] : document.insertions)
-            if (names_seen.emplace(place_of(in), name).second)
-                inserted_[place_of(in)].push_back(name);
+            if (names_seen.emplace(in, name).second) inserted_[in].push_back(name);
     }
 
     ValueSource stated(const Value& value) const {
@@ -58,10 +56,6 @@ public:
     }
 
 private:
-    using Place = std::tuple<const Source*, int, int>;
-
-    static Place place_of(const Mark& mark) { return {mark.source.get(), mark.line, mark.column}; }
-
     std::string place(const Mark& mark) const {
         const auto is = [&](const Mark& file) { return file.source == mark.source; };
         const bool file = std::any_of(document_.sources.begin(), document_.sources.end(), is);
@@ -71,7 +65,7 @@ private:
     /// Adds the names inserted into a value or its parts, without duplicates.
     void add_names(const Value& value, std::vector<std::string>& names,
                    std::set<std::string>& seen) const {
-        if (const auto found = inserted_.find(place_of(value.mark)); found != inserted_.end())
+        if (const auto found = inserted_.find(value.mark); found != inserted_.end())
             for (const auto& name : found->second)
                 if (seen.insert(name).second) names.push_back(name);
         for (const auto& item : value.items) add_names(item, names, seen);
@@ -79,7 +73,7 @@ private:
     }
 
     const Document& document_;
-    std::map<Place, std::vector<std::string>> inserted_;  ///< names inserted at a place
+    std::map<Mark, std::vector<std::string>> inserted_;  ///< names inserted at a place
 };
 
 std::string line(const std::string& name, const ValueSource& source) {

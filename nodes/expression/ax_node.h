@@ -2,7 +2,7 @@
 
 #include "carve/volume/volume.h"
 #include "nodes/expression/expression.h"
-#include "nodes/expression/script.h"
+#include "nodes/expression/program_text.h"
 
 #include <map>
 #include <memory>
@@ -18,8 +18,8 @@ class NodeCheck;
 
 /// Parameters of `energy.ax` and `field.ax`.
 struct AxParams {
-    std::map<std::string, ScriptConstant> params;
-    Script code;
+    std::map<std::string, ProgramConstant> params;
+    ProgramText code;
 };
 
 /// Reports all faults of a program, at their places in the file, and warns of inputs and constants

@@ -10,13 +10,12 @@
 namespace fluidcarve {
 
 const char* const part_of_warp =
-    "`count` is a number of seams, but what is carved last is a warp: it has none, and is carved "
-    "as a whole; leave `count` out, or set the warp's `amount`";
+    "the last input of `seams` is a warp, which has no seams to count and is carved as a whole; "
+    "leave `count` out, or set the warp's `amount`";
 
 const char* const only_remapped =
-    "these are seams of frames (`axis: t`), which only remap.grids, remap.points and remap.mesh "
-    "carve and "
-    "seams.write writes";
+    "these are seams of frames (`axis: t`): remap.grids, remap.points and remap.mesh carve them, "
+    "seams.write writes them, and no other node takes them";
 
 std::optional<std::size_t> seams_of(const Auto<Count>& asked, const Seams& last) {
     if (!asked) return std::nullopt;

@@ -55,7 +55,8 @@ void check_in_time(const SolverParams& params, NodeCheck& check) {
     if (check.connections("after") > 0)
         check.fault("after",
                     "input 'after' is not for `axis: t`: seams of frames are found in the sequence "
-                    "as it is; carve frames by one remap.grids, and what it gives in space");
+                    "as it is; carve frames by one remap.grids, and carve its result in space by "
+                    "other nodes");
 }
 
 void check_windows(const SolverParams& params, NodeCheck& check) {

@@ -24,19 +24,19 @@ void RemapNode::foresee_frames(const Params& params, const std::string& idle, Ou
                         idle));
     if (ahead.once())
         ahead.fault(
-            "has a source that is the same in all frames, so that none of them can leave or be "
-            "repeated: leave this node out");
+            "has a source that is the same in all frames: there are no frames to take out or to "
+            "repeat; leave this node out");
     if (ahead.told("seams").size() > 1)
         ahead.fault(
             "takes seams of frames (`axis: t`) alone: carve them by a node of their own, and "
-            "what it gives by the others");
+            "its result by the others");
     try {
         const auto how = time_join_of(params, false);
         if (params.transform_vectors && (how.fade == 1 || !how.moved))
             ahead.fault(
-                "'transform_vectors' has no effect on frames that go over at once or are "
-                "blended, in which time goes as fast as before: leave it out, or state `join: "
-                "squeeze`");
+                "'transform_vectors' has no effect where frames are cut or blended, since time "
+                "keeps "
+                "its pace there: leave it out, or state `join: squeeze`");
     } catch (const Failure& failure) {
         ahead.fault(failure.what());
     }

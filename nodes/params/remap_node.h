@@ -3,7 +3,7 @@
 #include "carve/remap/joining.h"
 #include "carve/seam/carve_map.h"
 #include "carve/time/frame_carve.h"
-#include "carve/time/frames_carved.h"
+#include "carve/time/frame_carve_promise.h"
 #include "graph/types/node_type.h"
 #include "nodes/params/carve_inputs.h"
 #include "nodes/params/rim.h"
@@ -22,7 +22,7 @@ public:
         Rim rim = Rim::cut;
         double rim_fade = 8;
         bool transform_vectors = false;
-        std::optional<FramesCarved> in_time;  ///< if the seams are seams of frames
+        std::optional<FrameCarvePromise> in_time;  ///< if the seams are seams of frames
     };
 
     static void check(const Params& params, NodeCheck& check);
@@ -47,10 +47,6 @@ protected:
     /// The parameters of all nodes that have no effect on frames.
     static std::string without_effect(const Params& params) {
         return params.rim != Rim::cut ? "rim" : "";
-    }
-    /// A frame in the report.
-    static std::string frame_name(const Context& context) {
-        return context.per_frame() ? std::to_string(context.frame()) : "all";
     }
     void finish_frames(const Params& params, const Seams& seams, Context& context);
 

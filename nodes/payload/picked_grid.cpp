@@ -1,9 +1,9 @@
 #include "nodes/payload/picked_grid.h"
 
 #include "carve/base/failure.h"
+#include "carve/grid/named_grids.h"
 #include "carve/volume/triplet.h"
 #include "carve/volume/volume.h"
-#include "formats/vdb/grid_names.h"
 
 #include <fmt/format.h>
 

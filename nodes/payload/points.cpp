@@ -1,8 +1,8 @@
 #include "nodes/payload/add_payloads.h"
 
+#include "carve/points/points.h"
 #include "carve/stream/points_stream.h"
 #include "carve/volume/volume.h"
-#include "formats/points_file/points_file.h"
 
 namespace fluidcarve {
 

@@ -20,7 +20,7 @@ struct Sum {
 class Channel {
 public:
     explicit Channel(const VolumeGrid& grid)
-        : plane_(grid.plane()),
+        : plane_(grid.pixels()),
           grid_(plane_ ? FloatGrid::create() : openvdb::gridConstPtrCast<FloatGrid>(grid.grid())),
           values_(grid_->getConstAccessor()) {}
 
@@ -33,7 +33,7 @@ public:
     }
 
 private:
-    const Plane* plane_;
+    const ChannelPixels* plane_;
     FloatGrid::ConstPtr grid_;
     FloatGrid::ConstAccessor values_;
 };
@@ -67,17 +67,17 @@ std::optional<PictureScene> picture_in(const Volume& volume, const FloatGrid::Co
 openvdb::CoordBBox PictureScene::box() const {
     openvdb::CoordBBox out;
     for (const auto& each : channels) {
-        const auto active = each.plane() ? each.plane()->box : each->evalActiveVoxelBoundingBox();
+        const auto active = each.pixels() ? each.pixels()->box : each->evalActiveVoxelBoundingBox();
         if (!active.empty()) out.expand(active);
     }
     return out;
 }
 
-Render render_picture(const PictureScene& scene, View view, const openvdb::CoordBBox& box,
-                      double gain) {
+RenderedPicture render_picture(const PictureScene& scene, View view, const openvdb::CoordBBox& box,
+                               double gain) {
     auto area = face_of(box, view);
     int cell = 1;
-    while (std::max(area.size(0), area.size(1)) / cell >= Render::most_pixels) cell *= 2;
+    while (std::max(area.size(0), area.size(1)) / cell >= RenderedPicture::most_pixels) cell *= 2;
     const auto cells = in_cells(area, cell);
     for (const int side : {0, 1}) {
         area.first[side] = cells.first[side] * cell;
@@ -100,7 +100,7 @@ Render render_picture(const PictureScene& scene, View view, const openvdb::Coord
             sum.light[n] += scene.linear ? value : of_screen(255 * value);
         }
     }
-    Render out{area, {width, height, {}}};
+    RenderedPicture out{area, {width, height, {}}};
     out.picture.pixels.reserve(sums.size());
     for (const auto& sum : sums) out.picture.pixels.push_back(colour_of(sum, gain));
     return out;

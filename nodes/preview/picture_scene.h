@@ -27,7 +27,7 @@ std::optional<PictureScene> picture_in(const Volume& volume, const FloatGrid::Co
 /// Renders a picture as it looks on a screen. A pixel is one voxel, or the mean of whole voxels.
 /// @param box   index box to show, not empty
 /// @param gain  factor of the light
-Render render_picture(const PictureScene& scene, View view, const openvdb::CoordBBox& box,
-                      double gain);
+RenderedPicture render_picture(const PictureScene& scene, View view, const openvdb::CoordBBox& box,
+                               double gain);
 
 }  // namespace fluidcarve

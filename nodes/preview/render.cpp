@@ -76,8 +76,8 @@ struct ViewWindow {
         area = face_of(box, view);
         const int longer = std::max(area.size(0), area.size(1));
         int voxels = 1;
-        while (longer / voxels >= Render::most_pixels) voxels *= 2;
-        const int pixels = std::clamp(Render::most_pixels / longer, 1, finest);
+        while (longer / voxels >= RenderedPicture::most_pixels) voxels *= 2;
+        const int pixels = std::clamp(RenderedPicture::most_pixels / longer, 1, finest);
         const auto cells = in_cells(area, voxels);
         for (const int side : {0, 1}) {
             area.first[side] = cells.first[side] * voxels;
@@ -331,8 +331,8 @@ void Exposure::meter(const Scene& scene) {
     raise(fire, scene.fire);
 }
 
-Render render(const Scene& scene, View view, const openvdb::CoordBBox& box,
-              const Exposure& exposure) {
+RenderedPicture render(const Scene& scene, View view, const openvdb::CoordBBox& box,
+                       const Exposure& exposure) {
     if (scene.picture) return render_picture(*scene.picture, view, box, exposure.gain);
     const ViewWindow window(view, box);
     const auto smoke = medium(scene.smoke, exposure.smoke);
@@ -346,7 +346,7 @@ Render render(const Scene& scene, View view, const openvdb::CoordBBox& box,
     if (fire) shine = glow(*fire, smoke.get(), window, exposure.gain);
     const double daylight = exposure.fire > 0 ? by_fire : 1;
 
-    Render out{window.area, {window.width, window.height, {}}};
+    RenderedPicture out{window.area, {window.width, window.height, {}}};
     out.picture.pixels.reserve(count);
     const Film::RGBA clear(0.0, 0.0, 0.0, 0.0);
     for (std::size_t n = 0; n < count; ++n) {

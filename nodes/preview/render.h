@@ -58,7 +58,7 @@ struct Exposure {
 ///   same
 /// @param exposure  pictures to compare must use the same; a medium with the value 0 is not
 ///   rendered
-Render render(const Scene& scene, View view, const openvdb::CoordBBox& box,
-              const Exposure& exposure);
+RenderedPicture render(const Scene& scene, View view, const openvdb::CoordBBox& box,
+                       const Exposure& exposure);
 
 }  // namespace fluidcarve

@@ -7,7 +7,7 @@ namespace fluidcarve {
 
 /// A rendered picture of an area. A voxel is a whole number of pixels, or a pixel a whole number of
 /// voxels.
-struct Render {
+struct RenderedPicture {
     static constexpr int most_pixels = 400;  ///< on the longer side
     Area area;                               ///< in voxels
     Picture picture;                         ///< empty: nothing is rendered

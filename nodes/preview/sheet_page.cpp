@@ -190,7 +190,7 @@ private:
                 if ((slant < least_slant) != along || (slant == 0 && towards == 0)) continue;
                 const auto colour = axis_colours[n];
                 const std::string name(1, "xyz"[n]);
-                const Canvas::Type type{12, true, colour};
+                const Canvas::TextStyle type{12, true, colour};
                 if (along) {
                     draw_circle(page, x, y, towards > 0, colour);
                     canvas_.text(x - 12, y + 15, name, type, Canvas::Align::centre);
@@ -247,7 +247,7 @@ private:
             entry(seam_colour, false, page_.seams);
     }
 
-    std::vector<std::string> wrapped(const std::string& text, const Canvas::Type& type,
+    std::vector<std::string> wrapped(const std::string& text, const Canvas::TextStyle& type,
                                      double width) {
         std::vector<std::string> out(1);
         for (std::size_t begin = 0; begin < text.size();) {

@@ -18,7 +18,7 @@ struct SheetPanel {
     Area active;            ///< box of active voxels, drawn as a solid line; may be empty
     Area before;            ///< box of active voxels before the carve, drawn dashed; may be empty
     Projection projection;  ///< a panel has either a projection or a render; the other is empty
-    Render render;
+    RenderedPicture render;
     std::vector<PictureLine> lattice, rig, seams;  ///< lines drawn over the picture, in this order
     std::string note;                              ///< text in the middle of the picture
 };

@@ -1,4 +1,4 @@
-#include "nodes/python/nodes.h"
+#include "nodes/python/python_nodes.h"
 
 #include "nodes/python/grid_script.h"
 

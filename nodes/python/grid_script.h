@@ -56,7 +56,7 @@ struct GridScriptNode {
 
     GridScript script;
 
-    static Further depends(const Params& params) { return script_depends(params); }
+    static FurtherDependencies depends(const Params& params) { return script_depends(params); }
     static bool gathers(const Params& params) { return script_gathers(params); }
     void add(const Params& params, const Ports& io, Context& context) {
         script.add(params, io.inputs, context);

@@ -1,4 +1,4 @@
-#include "nodes/python/nodes.h"
+#include "nodes/python/python_nodes.h"
 
 #include "carve/field/dense.h"
 #include "carve/points/point_grid.h"
@@ -92,7 +92,7 @@ struct PointsPython {
             return check.fault("inputs", "'inputs' names no points; name at least one");
         check_script(params, "points", check.names("inputs"), check);
     }
-    static Further depends(const Params& params) { return script_depends(params); }
+    static FurtherDependencies depends(const Params& params) { return script_depends(params); }
 
     static void run(const Params& params, Ports& io, Context& context) {
         std::vector<PointTable> inputs;

@@ -33,7 +33,7 @@ std::string path_of_script(const PythonParams& params) {
 struct Known {
     std::mutex mutex;
     struct Facts {
-        Further further;
+        FurtherDependencies further;
         bool gathers = false;
         std::vector<std::string> takes;  ///< offered arguments that the function takes
     };
@@ -100,7 +100,9 @@ void check_script(const PythonParams& params, const std::string& function,
     }
 }
 
-Further script_depends(const PythonParams& params) { return known().of(params).further; }
+FurtherDependencies script_depends(const PythonParams& params) {
+    return known().of(params).further;
+}
 
 bool script_gathers(const PythonParams& params) { return known().of(params).gathers; }
 

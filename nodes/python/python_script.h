@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/types/further.h"
+#include "graph/types/further_dependencies.h"
 #include "graph/types/param.h"
 #include "nodes/python/python_value.h"
 #include "nodes/python/worker.h"
@@ -34,7 +34,7 @@ void check_script(const PythonParams& params, const std::string& function,
 
 /// The modules that the script imports from its own folder, and its VERSION. Of a script that can't
 /// be imported: nothing.
-Further script_depends(const PythonParams& params);
+FurtherDependencies script_depends(const PythonParams& params);
 
 /// Whether the script has a function `add`, which sees all frames, as its check found.
 bool script_gathers(const PythonParams& params);

@@ -1,8 +1,8 @@
 #include "nodes/python/python_value.h"
 
+#include "carve/base/numbers.h"
 #include "graph/text/yaml_text.h"
 
-#include <charconv>
 #include <cstdint>
 
 namespace fluidcarve {
@@ -10,10 +10,7 @@ namespace {
 
 nlohmann::json json_of(const std::string& text) {
     if (text == "true" || text == "false") return text == "true";
-    std::int64_t whole = 0;
-    if (const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), whole);
-        error == std::errc{} && end == text.data() + text.size())
-        return whole;
+    if (const auto whole = number_of<std::int64_t>(text)) return *whole;
     if (const auto number = parse_number(text)) return *number;
     return text;
 }

@@ -1,4 +1,4 @@
-#include "nodes/python/nodes.h"
+#include "nodes/python/python_nodes.h"
 
 #include "carve/rig/rig.h"
 #include "carve/volume/volume.h"
@@ -31,7 +31,7 @@ struct RigPython {
         check_direction("up", params.up, check);
         check_script(params, "rig", check.names("inputs"), check);
     }
-    static Further depends(const Params& params) { return script_depends(params); }
+    static FurtherDependencies depends(const Params& params) { return script_depends(params); }
 
     static void run(const Params& params, Ports& io, Context& context) {
         Rig rig{{}, params.closed, openvdb::Vec3d(params.up.data()), {}};

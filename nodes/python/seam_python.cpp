@@ -1,4 +1,4 @@
-#include "nodes/python/nodes.h"
+#include "nodes/python/python_nodes.h"
 
 #include "carve/field/dense.h"
 #include "graph/types/context.h"
@@ -160,7 +160,7 @@ struct SeamPython : SeamNode {
         check_script(params, "seam", {"energy"}, check,
                      has_field ? std::vector<std::string>{"field"} : std::vector<std::string>{});
     }
-    static Further depends(const Params& params) { return script_depends(params); }
+    static FurtherDependencies depends(const Params& params) { return script_depends(params); }
     void finish(const Params& params, Ports& io, Context& context) {
         solve(params, io, context,
               [&](const EnergyVolume& energy, Window window, int, const Tick& tick) {

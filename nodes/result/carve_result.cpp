@@ -1,6 +1,7 @@
 #include "nodes/result/carve_result.h"
 
 #include "carve/base/frame_set.h"
+#include "carve/base/numbers.h"
 #include "carve/volume/triplet.h"
 #include "nodes/result/grid_measure.h"
 
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -221,9 +221,7 @@ std::vector<std::pair<std::size_t, const Json*>> in_time(const Json& frames,
                                                          const std::vector<int>& sequence) {
     std::map<int, const Json*> by_number;
     for (const auto& [name, entry] : frames.items()) {
-        int number = sequence.front();
-        std::from_chars(name.data(), name.data() + name.size(), number);
-        by_number[number] = &entry;
+        by_number[number_of<int>(name).value_or(sequence.front())] = &entry;
     }
     std::vector<std::pair<std::size_t, const Json*>> out;
     for (std::size_t place = 0; place < sequence.size(); ++place)

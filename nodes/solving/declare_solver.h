@@ -134,13 +134,19 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .promises([params_of](const auto& params) { return SeamNode::in_time(params_of(&params)); },
                   only_remapped)
         .digests({"energy", "lattice", "field", "protect", "attract", "axis", "measure", "finest"})
-        .grows({"count",
-                [params_of](const void* params) { return SeamNode::rest(params_of(params)); },
-                &SeamNode::extent,
-                [params_of](const void* params, std::size_t vertices) {
-                    return SeamNode::wanted(params_of(params), vertices);
-                },
-                &SeamNode::first, &SeamNode::warnings, "seam", "best_effort", &SeamNode::exhausted})
+        .grows(
+            {.param = "count",
+             .rest = [params_of](const void* params) { return SeamNode::rest(params_of(params)); },
+             .item_count = &SeamNode::item_count,
+             .wanted =
+                 [params_of](const void* params, std::size_t vertices) {
+                     return SeamNode::wanted(params_of(params), vertices);
+                 },
+             .first = &SeamNode::first,
+             .warnings = &SeamNode::warnings,
+             .item = "seam",
+             .best_effort = "best_effort",
+             .exhausted = &SeamNode::exhausted})
         .in_place()
         .kept()
         .version(4);

@@ -40,9 +40,9 @@ void SeamNode::foresee(const Params& params, Outlook& ahead) {
     }
 }
 
-std::optional<FramesCarved> SeamNode::in_time(const Params& params) {
+std::optional<FrameCarvePromise> SeamNode::in_time(const Params& params) {
     if (params.axis != Axis::t) return std::nullopt;
-    return FramesCarved{params.count, params.pair_window.has_value()};
+    return FrameCarvePromise{params.count, params.pair_window.has_value()};
 }
 
 std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports& io,
@@ -68,7 +68,7 @@ void SeamNode::resume(const Payload& result, const nlohmann::ordered_json& entry
     end_shortfall(before_.report);
 }
 
-Extent SeamNode::extent(const Payload& result) {
+ItemCount SeamNode::item_count(const Payload& result) {
     const auto seams = result.as<Seams>();
     return {seams->seams.size(), static_cast<std::size_t>(seams->carved())};
 }

@@ -3,7 +3,7 @@
 #include "carve/solver/search/find_seams.h"
 #include "carve/solver/task/gathered_energy.h"
 #include "carve/solver/task/params.h"
-#include "carve/time/frames_carved.h"
+#include "carve/time/frame_carve_promise.h"
 #include "carve/volume/volume.h"
 #include "graph/types/node_type.h"
 #include "nodes/params/check_params.h"
@@ -58,7 +58,7 @@ public:
     /// headers of files tell.
     static void foresee(const Params& params, Outlook& ahead);
     /// The effect of seams of frames on their sequence; nothing for other seams.
-    static std::optional<FramesCarved> in_time(const Params& params);
+    static std::optional<FrameCarvePromise> in_time(const Params& params);
     /// One frame's energy at the lattice's vertices, with its field and masks.
     static std::shared_ptr<FrameEnergy> digest(const Params& params, const Ports& io,
                                                Context& context);
@@ -77,7 +77,7 @@ public:
     static std::string rest(const Params& params) {
         return to_text(kind_asked(params.count.value));
     }
-    static Extent extent(const Payload& result);
+    static ItemCount item_count(const Payload& result);
     static std::size_t wanted(const Params& params, std::size_t vertices);
     static Payload first(const Payload& result, std::size_t count, nlohmann::ordered_json& entry);
     /// Warnings about a set of seams, made from its report.

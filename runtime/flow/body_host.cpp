@@ -9,7 +9,7 @@ double BodyHost::seconds() const {
 void BodyHost::count_items(const Payload* result, CostSetting& at) {
     const auto& growth = of().type->growth;
     if (!growth) return;
-    if (result) found_ = growth->extent(*result);
+    if (result) found_ = growth->item_count(*result);
     const auto all = result ? found_.count : wanted();
     at.items = all > before_.count ? all - before_.count : 0;
     at.all_items = found_.of;
@@ -43,15 +43,15 @@ void BodyHost::hold(const Payload& result) {
     if (!grows_ || begin < next_hold_) return;
     const auto event = setup_.events.event("keep", node, std::nullopt);
     setup_.store.keep_grown(node, 0, result, log, true);
-    grew(of().type->growth->extent(result));
+    grew(of().type->growth->item_count(result));
     // Wait ten times as long as the write took, so that writing takes at most a tenth of the time.
     constexpr int pauses = 10;
     next_hold_ = Clock::now() + pauses * (Clock::now() - begin);
 }
 
-void BodyHost::grew(const Extent& extent) {
-    found_ = extent;
-    setup_.events.grew(node, extent.count, wanted());
+void BodyHost::grew(const ItemCount& items) {
+    found_ = items;
+    setup_.events.grew(node, items.count, wanted());
 }
 
 std::size_t BodyHost::wanted() const {

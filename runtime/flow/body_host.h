@@ -31,7 +31,7 @@ public:
     /// From now on, `hold` caches what the body has found of its growing result.
     void grows() { grows_ = true; }
     /// The body goes on from what an earlier run found.
-    void goes_on_from(const Extent& before) { grew(before_ = before); }
+    void goes_on_from(const ItemCount& before) { grew(before_ = before); }
     /// States the items that this call finds of a growing result.
     /// @param result  null: the body was stopped, and would have found all that are wanted
     void count_items(const Payload* result, CostSetting& at);
@@ -49,7 +49,7 @@ private:
 
     const Node& of() const { return setup_.pipeline.nodes[node]; }
     std::size_t wanted() const;
-    void grew(const Extent& extent);
+    void grew(const ItemCount& items);
 
     const FlowSetup& setup_;
     FileProvenance& provenance_;
@@ -57,7 +57,7 @@ private:
     std::atomic<double> share_{0};
     std::mutex mutex_;
     bool grows_ = false;
-    Extent before_{}, found_{};  ///< of a growing result: by an earlier run, and so far
+    ItemCount before_{}, found_{};  ///< of a growing result: by an earlier run, and so far
     Clock::time_point next_hold_{};
 };
 

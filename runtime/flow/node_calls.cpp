@@ -229,7 +229,7 @@ void NodeCalls::finish_from_cached(BodyHost& host, void* ports, Context& context
             return setup_.store.part(n);
         }();
         if (part) {
-            host.goes_on_from(growth->extent(part->first));
+            host.goes_on_from(growth->item_count(part->first));
             behaviours_[n].resume(part->first, part->second);
         }
     }

@@ -90,10 +90,10 @@ private:
     bool load(std::size_t n, std::size_t place, std::vector<Payload>& into);
 
     const FlowSetup& setup_;
-    const PortsOf io_;
+    const PortIo io_;
     std::vector<Behaviour> behaviours_;
     std::vector<std::size_t> gathered_;  ///< per node: frames that it has consumed
-    PortsOf::Outputs held_;              ///< of nodes that run once
+    PortIo::Outputs held_;               ///< of nodes that run once
     /// Per node: those that may still read what it holds.
     std::vector<std::set<std::size_t>> readers_;
     FileProvenance provenance_;

@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-void PortsOf::connect(std::size_t n, void* ports, const Outputs& held, const Outputs* frame) const {
+void PortIo::connect(std::size_t n, void* ports, const Outputs& held, const Outputs* frame) const {
     const auto& node = pipeline.nodes[n];
     for (std::size_t i = 0; i < node.inputs.size(); ++i) {
         const auto& spec = node.type->inputs[i];
@@ -23,7 +23,7 @@ void PortsOf::connect(std::size_t n, void* ports, const Outputs& held, const Out
     }
 }
 
-Payload PortsOf::taken(const Link& link, const Payload& payload, const InputSpec& spec) const {
+Payload PortIo::taken(const Link& link, const Payload& payload, const InputSpec& spec) const {
     if (link.part.empty()) return registry.convert(payload, spec.type);
     try {
         return registry.selection(payload.type(), spec.type)->pick(payload, link.part);
@@ -34,36 +34,33 @@ Payload PortsOf::taken(const Link& link, const Payload& payload, const InputSpec
     }
 }
 
-std::set<std::size_t> PortsOf::sources(std::size_t n) const {
+std::set<std::size_t> PortIo::sources(std::size_t n) const {
     std::set<std::size_t> out;
-    for (const auto& links : pipeline.nodes[n].inputs)
-        for (const auto& link : links) out.insert(link.node);
+    for (const auto& link : pipeline.nodes[n].links()) out.insert(link.node);
     for (const auto& link : pipeline.nodes[n].checksummed) out.insert(link.node);
     return out;
 }
 
-std::vector<std::set<std::size_t>> PortsOf::readers() const {
+std::vector<std::set<std::size_t>> PortIo::readers() const {
     std::vector<std::set<std::size_t>> out(pipeline.nodes.size());
     for (std::size_t n = 0; n < out.size(); ++n)
         for (const auto source : sources(n)) out[source].insert(n);
     return out;
 }
 
-bool PortsOf::reads(std::size_t reader, std::size_t n, std::string_view output) const {
-    for (const auto& links : pipeline.nodes[reader].inputs)
-        for (const auto& link : links)
-            if (link.node == n && pipeline.nodes[n].outputs[link.output].name == output)
-                return true;
+bool PortIo::reads(std::size_t reader, std::size_t n, std::string_view output) const {
+    for (const auto& link : pipeline.nodes[reader].links())
+        if (link.node == n && pipeline.nodes[n].outputs[link.output].name == output) return true;
     return false;
 }
 
-std::vector<Payload> PortsOf::collect(std::size_t n, const void* ports) const {
+std::vector<Payload> PortIo::collect(std::size_t n, const void* ports) const {
     std::vector<Payload> out;
     for (const auto& output : pipeline.nodes[n].outputs) out.push_back(output.get(ports));
     return out;
 }
 
-std::uint64_t PortsOf::bytes(const std::vector<Payload>& payloads) const {
+std::uint64_t PortIo::bytes(const std::vector<Payload>& payloads) const {
     std::uint64_t out = 0;
     for (const auto& payload : payloads)
         if (payload) out += registry.payload(payload.type()).bytes(payload);

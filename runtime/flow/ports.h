@@ -11,7 +11,7 @@
 namespace fluidcarve {
 
 /// Moves payloads into and out of the ports of a pipeline's nodes.
-struct PortsOf {
+struct PortIo {
     using Outputs = std::vector<std::vector<Payload>>;  ///< `[node][output]`
 
     const Pipeline& pipeline;

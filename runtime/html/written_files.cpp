@@ -1,8 +1,10 @@
+#include "runtime/html/written_files.h"
+
 #include "carve/base/words.h"
 #include "formats/file/input_file.h"
-#include "runtime/html/html_report.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace fluidcarve {
 

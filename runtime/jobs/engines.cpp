@@ -10,27 +10,26 @@ namespace fluidcarve {
 
 const std::vector<FarmEngine>& farm_engines() {
     static const std::vector<FarmEngine> engines{
-        {"local",
-         "runs the steps as processes on this machine",
-         "plain",
-         false,
-         {"--processes"},
-         {},
-         farm_locally},
-        {"slurm",
-         "writes batch scripts for Slurm",
-         "plain",
-         true,
-         {"--output", "--submit"},
-         slurm_refusal,
-         farm_slurm},
-        {"openjd",
-         "writes a job bundle for Open Job Description, such as AWS Deadline Cloud takes",
-         "openjd",
-         true,
-         {"--output", "--submit", "--no-chunk-extension"},
-         openjd_refusal,
-         farm_openjd}};
+        {.name = "local",
+         .doc = "runs the steps as processes on this machine",
+         .progress = "plain",
+         .options = {"--processes"},
+         .refusal = {},
+         .farm = farm_locally},
+        {.name = "slurm",
+         .doc = "writes batch scripts for Slurm",
+         .progress = "plain",
+         .other_machines = true,
+         .options = {"--output", "--submit"},
+         .refusal = slurm_refusal,
+         .farm = farm_slurm},
+        {.name = "openjd",
+         .doc = "writes a job bundle for Open Job Description, such as AWS Deadline Cloud takes",
+         .progress = "openjd",
+         .other_machines = true,
+         .options = {"--output", "--submit", "--no-chunk-extension"},
+         .refusal = openjd_refusal,
+         .farm = farm_openjd}};
     return engines;
 }
 

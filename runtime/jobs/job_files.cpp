@@ -25,9 +25,9 @@ void write_job_files(const std::string& folder, const std::vector<JobFile>& file
     if (!bears_mark(base / files.back().name))
         for (const auto& file : files)
             if (fs::exists(base / file.name, error))
-                throw Failure(
-                    fmt::format("{} is there already, and of others; choose another --output",
-                                (base / file.name).string()));
+                throw Failure(fmt::format(
+                    "{} is there already, and `farm` did not write it; choose another --output",
+                    (base / file.name).string()));
     for (const auto& file : files) OutputFile::require_writable((base / file.name).string());
     for (const auto& file : files) {
         const auto path = base / file.name;

@@ -169,7 +169,7 @@ std::string job_text(const Json& job) {
                             message.is_string() ? message.get<std::string>() : json_text(message));
     }
     if (job["state"] != "done")
-        out += fmt::format("to go on, type: {}\n", job["again"].get<std::string>());
+        out += fmt::format("to continue, run: {}\n", job["again"].get<std::string>());
     return out;
 }
 

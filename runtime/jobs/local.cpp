@@ -42,8 +42,7 @@ struct Running {
 struct StepState {
     std::size_t next = 0;  ///< the first task that has not started
     std::size_t done = 0;
-    bool failed = false;    ///< a task failed, or a step that it needs
-    bool hopeless = false;  ///< a step that it needs failed, so that it never starts
+    bool failed = false;  ///< a task failed
 };
 
 /// Starts a command in a process group of its own, with its output in a file.
@@ -120,15 +119,16 @@ private:
         return task_name(step.name, step.tasks[task.task].frames);
     }
 
-    bool ready(std::size_t step) {
-        auto& state = states_[step];
-        for (std::size_t other = 0; other < step; ++other) {
-            const auto& needs = job_.steps[step].needs;
-            if (std::ranges::find(needs, job_.steps[other].name) == needs.end()) continue;
-            if (states_[other].failed) state.failed = state.hopeless = true;
-            if (states_[other].failed || states_[other].done < job_.steps[other].tasks.size())
+    bool needs(std::size_t step, std::size_t other) const {
+        const auto& names = job_.steps[step].needs;
+        return std::ranges::find(names, job_.steps[other].name) != names.end();
+    }
+    /// Whether all steps that it needs are done. A step comes after those.
+    bool ready(std::size_t step) const {
+        for (std::size_t other = 0; other < step; ++other)
+            if (needs(step, other) &&
+                (states_[other].failed || states_[other].done < job_.steps[other].tasks.size()))
                 return false;
-        }
         return true;
     }
 
@@ -207,18 +207,24 @@ private:
     /// Prints what was not run, and how to continue.
     int tell_rest() {
         std::vector<std::string> left;
-        for (std::size_t step = 0; step < states_.size(); ++step)
-            if (ready(step), states_[step].hopeless) left.push_back(job_.steps[step].name);
+        std::vector<bool> failed;  // or needs one that failed
+        for (std::size_t step = 0; step < states_.size(); ++step) {
+            bool hopeless = false;
+            for (std::size_t other = 0; other < step; ++other)
+                hopeless = hopeless || (needs(step, other) && failed[other]);
+            failed.push_back(states_[step].failed || hopeless);
+            if (hopeless) left.push_back(job_.steps[step].name);
+        }
         if (!left.empty())
             tell(fmt::format("not run, since they need what failed: {}", fmt::join(left, ", ")));
-        tell("to go on, mend it and type: " + job_.again);
+        tell("to continue, fix the cause, then run: " + job_.again);
         return code_;
     }
 
     int stop() {
         for (const auto& task : running_) kill(-task.process, SIGTERM);
         for (const auto& task : running_) waitpid(task.process, nullptr, 0);
-        tell("interrupted; to go on, type: " + job_.again);
+        tell("interrupted; to continue, run: " + job_.again);
         return exit_code::interrupted;
     }
 

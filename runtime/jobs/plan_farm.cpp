@@ -115,6 +115,45 @@ FarmStep farm_step(const RunStep& step, const std::vector<RunStep>& steps,
     return out;
 }
 
+/// A job without steps.
+FarmJob job_of(const Pipeline& pipeline, const std::vector<RunStep>& steps,
+               const RunRequest& request, const FarmCommand& command) {
+    FarmJob out;
+    out.pipeline = pipeline.name;
+    out.folder = fs::current_path().string();
+    if (!command.environment.empty()) out.prefix.emplace_back("env");
+    for (const auto& [variable, value] : command.environment)
+        out.prefix.push_back(fmt::format("{}={}", variable, value));
+    out.prefix.insert(out.prefix.end(), command.prefix.begin(), command.prefix.end());
+    out.executable = command.executable;
+    out.work = request.options.work_folder;
+    out.again = command.again;
+    out.name = name_of(out, command, steps);
+    out.paths = paths_of(pipeline, out.work);
+    return out;
+}
+
+/// Warns of steps whose costs are not known, or too high for the work folder.
+void warn_of_costs(const std::vector<RunStep>& steps, const FarmChunking& chunking,
+                   std::uint64_t cache_size) {
+    std::uint64_t kept = 0;
+    std::vector<std::string> unmeasured;
+    for (const auto& step : steps) {
+        const auto whole = step.cost(step.frames.size());
+        kept += whole.disk;
+        if (step.chunked && !whole.all_measured) unmeasured.push_back(step.name);
+    }
+    if (chunking.minutes && !unmeasured.empty())
+        tell(fmt::format(
+            "warning: --minutes {}: the time per frame is not measured yet in {}; {} a task",
+            *chunking.minutes, fmt::join(unmeasured, ", "), counted(frames_unmeasured, "frame")));
+    if (kept > cache_size)
+        tell(
+            fmt::format("warning: the steps write about {}, more than --cache-size ({}): a task "
+                        "may find removed what another has made; raise --cache-size",
+                        size_text(kept), size_text(cache_size)));
+}
+
 }  // namespace
 
 std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& registry,
@@ -133,40 +172,16 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
 
     const History history(request.options.work_folder, pipeline.name);
     const auto steps = steps_of(pipeline, registry, prepared, history, request.options);
-    FarmJob out;
-    out.pipeline = pipeline.name;
-    out.folder = fs::current_path().string();
-    if (!command.environment.empty()) out.prefix.emplace_back("env");
-    for (const auto& [variable, value] : command.environment)
-        out.prefix.push_back(fmt::format("{}={}", variable, value));
-    out.prefix.insert(out.prefix.end(), command.prefix.begin(), command.prefix.end());
-    out.executable = command.executable;
-    out.work = request.options.work_folder;
-    out.again = command.again;
-    out.name = name_of(out, command, steps);
-    out.paths = paths_of(pipeline, out.work);
-    std::uint64_t kept = 0;
-    std::vector<std::string> unmeasured;
+    auto out = job_of(pipeline, steps, request, command);
     for (const auto& step : steps) {
-        out.steps.push_back(farm_step(step, steps, chunking));
-        auto& arguments = out.steps.back().arguments;
-        arguments = command.pipeline;
-        arguments.insert(arguments.end(), command.options.begin(), command.options.end());
-        arguments.insert(arguments.end(), {step.target.only ? "--only" : "--to", step.target.to,
-                                           "--task", out.name + "/" + step.name});
-        const auto whole = step.cost(step.frames.size());
-        kept += whole.disk;
-        if (step.chunked && !whole.all_measured) unmeasured.push_back(step.name);
+        auto& made = out.steps.emplace_back(farm_step(step, steps, chunking));
+        made.arguments = command.pipeline;
+        made.arguments.insert(made.arguments.end(), command.options.begin(), command.options.end());
+        made.arguments.insert(made.arguments.end(),
+                              {step.target.only ? "--only" : "--to", step.target.to, "--task",
+                               out.name + "/" + step.name});
     }
-    if (chunking.minutes && !unmeasured.empty())
-        tell(fmt::format(
-            "warning: --minutes {}: nobody measured yet how long a frame takes in {}; {} a task",
-            *chunking.minutes, fmt::join(unmeasured, ", "), counted(frames_unmeasured, "frame")));
-    if (kept > request.options.cache_size)
-        tell(
-            fmt::format("warning: the steps write about {}, more than --cache-size ({}): a task "
-                        "may find removed what another has made; raise --cache-size",
-                        size_text(kept), size_text(request.options.cache_size)));
+    warn_of_costs(steps, chunking, request.options.cache_size);
     return out;
 }
 

@@ -62,7 +62,7 @@ if { [ -n "$late" ] && [ $starts -lt 20 ]; } ||
     trap '' TERM
     scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID" && exit $code
 fi
-echo "ended with code $code; what waits for it is cancelled. Submit the job again to go on" >&2
+echo "ended with code $code; what waits for it is cancelled. Submit the job again to continue" >&2
 exit $code
 )sh";
 

@@ -1,10 +1,10 @@
 #include "runtime/keep/cache.h"
 
+#include "carve/base/descriptor.h"
 #include "carve/base/failure.h"
 #include "formats/file/confinement.h"
 #include "formats/file/output_file.h"
 #include "graph/text/json_text.h"
-#include "runtime/keep/descriptor.h"
 #include "runtime/keep/entry_header.h"
 #include "runtime/keep/work_folder.h"
 
@@ -12,7 +12,6 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -160,8 +159,7 @@ std::optional<Cache::Read> Cache::read(const Key& key) {
         std::uint64_t size = 0;
         if (!entry_header(file.number, size)) return remove_damaged(key), std::nullopt;
         bytes.resize(size);
-        if (lseek(file.number, 0, SEEK_SET) != 0 || !read_entry(file.number, bytes.data(), size))
-            return remove_damaged(key), std::nullopt;
+        if (!read_at(file.number, 0, bytes.data(), size)) return remove_damaged(key), std::nullopt;
     } else if (auto packed = packs_.read(key)) {
         bytes = std::move(*packed);
     } else {

@@ -14,7 +14,7 @@
 namespace fluidcarve {
 
 /// Paths of the files that a node reads for a frame number: those that its parameters name, and
-/// its Further::files.
+/// its FurtherDependencies::files.
 std::vector<std::string> named_files(const Node& node, int frame);
 
 /// What the results of a pipeline's nodes depend on. Cache keys are hashes of it (Keys), and by it
@@ -40,7 +40,7 @@ public:
         int version = 1;
         std::optional<Key> plugin;  ///< hash of the plugin file that declares the type, whose
                                     ///< author may have forgotten to raise the version
-        std::vector<Param> params;  ///< with a Further::version as `VERSION`
+        std::vector<Param> params;  ///< with a FurtherDependencies::version as `VERSION`
         std::vector<Input> inputs;
     };
 

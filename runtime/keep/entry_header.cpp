@@ -1,7 +1,7 @@
 #include "runtime/keep/entry_header.h"
 
+#include "carve/base/descriptor.h"
 #include "formats/file/confinement.h"
-#include "runtime/keep/descriptor.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -39,16 +39,6 @@ int open_entry(const std::string& path) {
     return -ENOENT;
 }
 
-bool read_entry(int file, char* into, std::size_t size) {
-    while (size > 0) {
-        const auto got = read(file, into, size);
-        if (got <= 0) return false;
-        into += got;
-        size -= static_cast<std::size_t>(got);
-    }
-    return true;
-}
-
 std::optional<Json> entry_header(std::span<const char> bytes, std::uint64_t size) {
     const auto end = header_end(bytes, size);
     if (!end || *end > bytes.size()) return std::nullopt;
@@ -61,13 +51,14 @@ std::optional<Json> entry_header(std::span<const char> bytes, std::uint64_t size
 std::optional<Json> entry_header(int file, std::uint64_t& size) {
     struct stat about {};
     std::vector<char> bytes(entry_prefix);
-    if (fstat(file, &about) != 0 || !read_entry(file, bytes.data(), entry_prefix))
+    if (fstat(file, &about) != 0 || !read_at(file, 0, bytes.data(), entry_prefix))
         return std::nullopt;
     size = static_cast<std::uint64_t>(about.st_size);
     const auto end = header_end(bytes, size);
     if (!end) return std::nullopt;
     bytes.resize(*end);
-    if (!read_entry(file, bytes.data() + entry_prefix, *end - entry_prefix)) return std::nullopt;
+    if (!read_at(file, entry_prefix, bytes.data() + entry_prefix, *end - entry_prefix))
+        return std::nullopt;
     return entry_header(bytes, size);
 }
 

@@ -36,8 +36,6 @@ T number_at(const char* data) {
 /// @return below 0: the error, -ENOENT also if it is not a regular file, or lies outside of
 ///   --confine
 int open_entry(const std::string& path);
-/// Reads `size` bytes. @return false if there are fewer
-bool read_entry(int file, char* into, std::size_t size);
 
 /// The header in the first bytes of an entry; nothing if it or the size is wrong.
 /// @param size  bytes of the entry

@@ -1,8 +1,8 @@
 #include "runtime/keep/file_hashes.h"
 
+#include "carve/base/descriptor.h"
 #include "carve/base/failure.h"
 #include "formats/file/confinement.h"
-#include "runtime/keep/descriptor.h"
 
 #include <tbb/parallel_for.h>
 

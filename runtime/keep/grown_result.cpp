@@ -8,8 +8,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::size_t wanted_by(const Node& node, const Extent& extent) {
-    return node.type->growth->wanted(node.params.get(), extent.of);
+std::size_t wanted_by(const Node& node, const ItemCount& items) {
+    return node.type->growth->wanted(node.params.get(), items.of);
 }
 
 }  // namespace
@@ -17,29 +17,30 @@ std::size_t wanted_by(const Node& node, const Extent& extent) {
 std::optional<GrownResult> GrownResult::in(const Json& header) {
     const auto found = header.find("extent");
     if (found == header.end()) return std::nullopt;
-    const Extent extent{found->at("count").get<std::size_t>(), found->at("of").get<std::size_t>()};
+    const ItemCount items{found->at("count").get<std::size_t>(),
+                          found->at("of").get<std::size_t>()};
     // Without a size it counts as the largest.
-    return GrownResult{extent, header.value("size", std::numeric_limits<std::uint64_t>::max()),
+    return GrownResult{items, header.value("size", std::numeric_limits<std::uint64_t>::max()),
                        header.contains("part"), header.contains("exhausted")};
 }
 
 void GrownResult::describe(Json& header) const {
     header["size"] = bytes;
-    header["extent"] = {{"count", extent.count}, {"of", extent.of}};
+    header["extent"] = {{"count", items.count}, {"of", items.of}};
     if (part) header["part"] = true;
     if (exhausted) header["exhausted"] = true;
 }
 
 bool GrownResult::enough_for(const Node& node) const {
-    return extent.count >= wanted_by(node, extent) || (exhausted && takes_fewer(node));
+    return items.count >= wanted_by(node, items) || (exhausted && takes_fewer(node));
 }
 
 bool GrownResult::fits(const Node& node) const {
-    return !part && !exhausted && extent.count == wanted_by(node, extent);
+    return !part && !exhausted && items.count == wanted_by(node, items);
 }
 
 bool GrownResult::holds(const GrownResult& other) const {
-    if (extent.count != other.extent.count) return extent.count > other.extent.count;
+    if (items.count != other.items.count) return items.count > other.items.count;
     if (exhausted != other.exhausted) return exhausted;
     // Of pairs of seams, those of one window are found first. So of two parts with as many seams
     // the larger one holds more.
@@ -58,7 +59,7 @@ void cut(const Node& node, const GrownResult& all, Payload& result, NodeLog& log
     const auto& growth = *node.type->growth;
     auto entry = grown_entry(log);
     const auto about_all = growth.warnings ? growth.warnings(entry) : std::vector<std::string>();
-    result = growth.first(result, wanted_by(node, all.extent), entry);
+    result = growth.first(result, wanted_by(node, all.items), entry);
     if (!log.report.empty()) log.report.begin()->second = entry;
     std::erase_if(log.warnings, [&](const std::string& each) {
         return std::find(about_all.begin(), about_all.end(), each) != about_all.end();

@@ -10,9 +10,9 @@
 
 namespace fluidcarve {
 
-/// The extent of a growing result (Growth), as the header of a cached one states it.
+/// What a growing result holds (Growth), as the header of a cached one states it.
 struct GrownResult {
-    Extent extent;
+    ItemCount items;
     std::uint64_t bytes = 0;  ///< size in memory
     bool part = false;        ///< its node was still working on it
     bool exhausted = false;   ///< there are no more items (Growth::exhausted)

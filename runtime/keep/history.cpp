@@ -44,17 +44,16 @@ public:
 
     /// To be called for the nodes in order. @param changed  whether the node itself changed
     void add(std::size_t n, bool changed) {
-        for (const auto& links : pipeline_.nodes[n].inputs)
-            for (const auto& link : links) {
-                const auto& upstream = rows_[link.node];
-                rows_[n].resize(std::max(rows_[n].size(), upstream.size()));
-                for (std::size_t word = 0; word < upstream.size(); ++word)
-                    rows_[n][word] |= upstream[word];
-                // Changed nodes are in order, as all nodes are.
-                if (const auto at = std::ranges::lower_bound(changed_, link.node);
-                    at != changed_.end() && *at == link.node)
-                    set(rows_[n], static_cast<std::size_t>(at - changed_.begin()));
-            }
+        for (const auto& link : pipeline_.nodes[n].links()) {
+            const auto& upstream = rows_[link.node];
+            rows_[n].resize(std::max(rows_[n].size(), upstream.size()));
+            for (std::size_t word = 0; word < upstream.size(); ++word)
+                rows_[n][word] |= upstream[word];
+            // Changed nodes are in order, as all nodes are.
+            if (const auto at = std::ranges::lower_bound(changed_, link.node);
+                at != changed_.end() && *at == link.node)
+                set(rows_[n], static_cast<std::size_t>(at - changed_.begin()));
+        }
         if (changed) changed_.push_back(n);
     }
 
@@ -94,10 +93,9 @@ private:
 std::vector<std::vector<std::size_t>> readers_of(const Pipeline& pipeline) {
     std::vector<std::vector<std::size_t>> out(pipeline.nodes.size());
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
-        for (const auto& links : pipeline.nodes[n].inputs)
-            for (const auto& link : links)
-                if (auto& readers = out[link.node]; readers.empty() || readers.back() != n)
-                    readers.push_back(n);
+        for (const auto& link : pipeline.nodes[n].links())
+            if (auto& readers = out[link.node]; readers.empty() || readers.back() != n)
+                readers.push_back(n);
     return out;
 }
 
@@ -177,9 +175,9 @@ std::string idle_count(const Node& node, const std::optional<GrownResult>& grown
 std::string goes_on(const Node& node, const std::optional<GrownResult>& grown) {
     if (!grown || grown->enough_for(node)) return {};
     const auto& growth = *node.type->growth;
-    if (grown->extent.count == 0) return "goes on where it was stopped";
-    return fmt::format("goes on from {} of {}", grown->extent.count,
-                       counted(growth.wanted(node.params.get(), grown->extent.of), growth.item));
+    if (grown->items.count == 0) return "goes on where it was stopped";
+    return fmt::format("goes on from {} of {}", grown->items.count,
+                       counted(growth.wanted(node.params.get(), grown->items.of), growth.item));
 }
 
 const std::array<std::pair<Work, const char*>, work_kinds> names_of_work{
@@ -338,7 +336,7 @@ std::string why_lost(const Pipeline& pipeline, std::size_t n,
 
 }  // namespace
 
-std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares,
+std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<NodeLoad>& loads,
                                  const History& history, const Dependencies& dependencies,
                                  const std::function<NodeNow(std::size_t node)>& now) {
     const auto count = pipeline.nodes.size();
@@ -347,7 +345,7 @@ std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Sha
     std::vector<bool> fresh(count, false);
     ChangedUpstream upstream(pipeline);
     for (std::size_t n = 0; n < count; ++n) {
-        if (shares[n].frames == 0) continue;
+        if (loads[n].frames == 0) continue;
         const auto& node = pipeline.nodes[n];
         const auto& was = history.of(node.name);
         const auto [reads, grown] = now(n);
@@ -365,10 +363,10 @@ std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Sha
     const auto readers = readers_of(pipeline);
     std::vector<std::string> out(count);
     for (std::size_t n = 0; n < count; ++n) {
-        if (shares[n].runs == 0 && shares[n].consumed_inputs == 0) continue;
+        if (loads[n].runs == 0 && loads[n].consumed_inputs == 0) continue;
         std::vector<std::string> users;
         for (const auto user : readers[n])
-            if (shares[user].runs > 0 || shares[user].consumed_inputs > 0)
+            if (loads[user].runs > 0 || loads[user].consumed_inputs > 0)
                 users.push_back(pipeline.nodes[user].name);
         std::vector<std::string> causes;
         if (!fresh[n] && !upstream.none(n)) causes.push_back("changed: " + upstream.text(n));

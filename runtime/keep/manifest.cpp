@@ -1,9 +1,9 @@
 #include "runtime/keep/manifest.h"
 
+#include "carve/base/descriptor.h"
 #include "formats/file/confinement.h"
 #include "formats/file/input_file.h"
 #include "formats/file/output_file.h"
-#include "runtime/keep/descriptor.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 #include "runtime/keep/packs.h"
 
+#include "carve/base/descriptor.h"
 #include "carve/base/failure.h"
 #include "formats/file/input_file.h"
-#include "runtime/keep/descriptor.h"
 
 #include <fmt/format.h>
 
@@ -43,28 +43,6 @@ Key sum_of(const void* data, std::size_t size) { return ContentHash().bytes(data
 bool is_whole(const RecordHead& head) {
     return std::string_view(head.magic.data(), head.magic.size()) == pack_magic &&
            head.seal == sum_of(&head, offsetof(RecordHead, seal));
-}
-
-bool read_at(int file, std::uint64_t offset, void* into, std::size_t size) {
-    for (std::size_t done = 0; done < size;) {
-        const auto got = pread(file, static_cast<char*>(into) + done, size - done,
-                               static_cast<off_t>(offset + done));
-        if (got < 0 && errno == EINTR) continue;
-        if (got <= 0) return false;
-        done += static_cast<std::size_t>(got);
-    }
-    return true;
-}
-
-bool write_at(int file, std::uint64_t offset, std::span<const char> bytes) {
-    while (!bytes.empty()) {
-        const auto wrote = pwrite(file, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-        if (wrote < 0 && errno == EINTR) continue;
-        if (wrote <= 0) return false;
-        offset += static_cast<std::uint64_t>(wrote);
-        bytes = bytes.subspan(static_cast<std::size_t>(wrote));
-    }
-    return true;
 }
 
 std::uint64_t size_of(int file) {
@@ -139,7 +117,7 @@ void Packs::add(const Key& key, std::span<const char> bytes) {
     std::vector<char> record(sizeof head + bytes.size());
     std::memcpy(record.data(), &head, sizeof head);
     std::ranges::copy(bytes, record.begin() + sizeof head);
-    if (!write_at(own_file_, pack.end, record)) {
+    if (!write_at(own_file_, pack.end, record.data(), record.size())) {
         const auto fault =
             fmt::format("cannot write {}: {}", path_of(pack, opened), std::strerror(errno));
         if (ftruncate(own_file_, static_cast<off_t>(pack.end)) == 0 && pack.end == 0)

@@ -164,7 +164,7 @@ void Store::keep_grown(std::size_t n, std::size_t place, const Payload& result, 
     if (!cache_.on() || !result) return;
     const auto& growth = *pipeline_.nodes[n].type->growth;
     const bool exhausted = growth.exhausted && growth.exhausted(grown_entry(log));
-    const GrownResult grown{growth.extent(result),
+    const GrownResult grown{growth.item_count(result),
                             cache_.registry().payload(result.type()).bytes(result), part,
                             exhausted};
     if (const auto there = cache_.look(key(n, place)))

@@ -27,9 +27,8 @@ Wiring wire(const Pipeline& pipeline, const Pass& pass) {
         const bool gathers = std::ranges::find(pass.gathering, unit) != pass.gathering.end();
         // A node that retimes delivers from frames that it took in an earlier pass.
         if (pipeline.nodes[unit].retimes() && !gathers) continue;
-        for (const auto& links : pipeline.nodes[unit].inputs)
-            for (const auto& link : links)
-                if (pipeline.nodes[link.node].rate == Rate::frame) distinct.insert(link.node);
+        for (const auto& link : pipeline.nodes[unit].links())
+            if (pipeline.nodes[link.node].rate == Rate::frame) distinct.insert(link.node);
         for (const auto source : distinct) {
             out.sources[unit].push_back(source);
             out.readers[source].push_back(unit);

@@ -34,8 +34,7 @@ std::vector<bool> downstream_of(const Pipeline& pipeline, std::size_t from) {
     std::vector<bool> out(pipeline.nodes.size(), false);
     out[from] = true;
     for (std::size_t n = from + 1; n < out.size(); ++n)
-        for (const auto& links : pipeline.nodes[n].inputs)
-            for (const auto& link : links) out[n] = out[n] || out[link.node];
+        for (const auto& link : pipeline.nodes[n].links()) out[n] = out[n] || out[link.node];
     return out;
 }
 
@@ -128,8 +127,8 @@ private:
         std::size_t passes = 0;
         for (std::size_t n = 0; n < count_; ++n) {
             const auto& node = pipeline_.nodes[n];
-            for (const auto& links : node.inputs)
-                for (const auto& link : links) ready_[n] = std::max(ready_[n], ready_[link.node]);
+            for (const auto& link : node.links())
+                ready_[n] = std::max(ready_[n], ready_[link.node]);
             out_.gathered_in[n] = ready_[n];
             if (node.streams_in()) ++ready_[n];
             if (out_.needed[n])

@@ -122,9 +122,8 @@ private:
         if (out_.gathers[n]) return;
         out_.gathers[n] = 1;
         later({Visit::take_all, n});
-        for (const auto& links : pipeline_.nodes[n].inputs)
-            for (const auto& link : links)
-                if (pipeline_.nodes[link.node].rate != Rate::frame) later({Visit::once, link.node});
+        for (const auto& link : pipeline_.nodes[n].links())
+            if (pipeline_.nodes[link.node].rate != Rate::frame) later({Visit::once, link.node});
     }
 
     void take_all(std::size_t n) {
@@ -141,12 +140,11 @@ private:
     }
 
     void inputs(std::size_t n, std::size_t place, std::size_t pass) {
-        for (const auto& links : pipeline_.nodes[n].inputs)
-            for (const auto& link : links) {
-                if (pipeline_.nodes[link.node].rate == Rate::frame)
-                    later({Visit::frame, link.node, place, pass});
-                else later({Visit::once, link.node});
-            }
+        for (const auto& link : pipeline_.nodes[n].links()) {
+            if (pipeline_.nodes[link.node].rate == Rate::frame)
+                later({Visit::frame, link.node, place, pass});
+            else later({Visit::once, link.node});
+        }
     }
 
     const Pipeline& pipeline_;
@@ -205,9 +203,9 @@ NodeFrames frames_of(const Schedule& schedule, std::size_t n) {
     return out;
 }
 
-std::vector<Share> shares(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule,
-                          const Schedule& uncached) {
-    std::vector<Share> out(pipeline.nodes.size());
+std::vector<NodeLoad> loads_of(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule,
+                               const Schedule& uncached) {
+    std::vector<NodeLoad> out(pipeline.nodes.size());
     for (std::size_t n = 0; n < out.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         const auto now = frames_of(schedule, n), anew = frames_of(uncached, n);

@@ -82,7 +82,7 @@ struct NodeFrames {
 NodeFrames frames_of(const Schedule& schedule, std::size_t node);
 
 /// How much of a node's work a run does. All counts are frames.
-struct Share {
+struct NodeLoad {
     std::size_t frames = 0;  ///< frames that the run needs; for a node that runs once: 1, or the
                              ///< frames that it gathers
     std::size_t runs = 0;    ///< frames that the run computes; the others are cached
@@ -94,7 +94,7 @@ struct Share {
 
 /// @param uncached  the schedule of the same plan with an empty cache
 /// @return one share per node
-std::vector<Share> shares(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule,
-                          const Schedule& uncached);
+std::vector<NodeLoad> loads_of(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule,
+                               const Schedule& uncached);
 
 }  // namespace fluidcarve

@@ -21,10 +21,9 @@ Timelines::Timelines(const Pipeline& pipeline, const std::set<int>& left_out) {
     };
     for (const auto& node : pipeline.nodes) {
         bool behind = false;
-        for (const auto& links : node.inputs)
-            for (const auto& link : links)
-                behind =
-                    behind || (retimed[link.node] && pipeline.nodes[link.node].rate == Rate::frame);
+        for (const auto& link : node.links())
+            behind =
+                behind || (retimed[link.node] && pipeline.nodes[link.node].rate == Rate::frame);
         retimed.push_back(behind || node.retimes());
         taken_.push_back(add(node.taken, behind));
         delivered_.push_back(add(node.frames, retimed.back()));

@@ -6,15 +6,15 @@ namespace fluidcarve {
 namespace {
 
 /// Items that a growing result lacks.
-/// @param measured  from an earlier run; gives Extent::of if nothing is kept
+/// @param measured  from an earlier run; gives ItemCount::of if nothing is kept
 std::size_t items_to_find(const Node& node, const std::optional<GrownResult>& kept,
                           const std::optional<WorkTime>& measured) {
     if (!node.type->growth) return 0;
     const auto wanted =
-        node.type->growth->wanted(node.params.get(), kept       ? kept->extent.of
+        node.type->growth->wanted(node.params.get(), kept       ? kept->items.of
                                                      : measured ? measured->at.all_items
                                                                 : 0);
-    const auto found = kept ? kept->extent.count : 0;
+    const auto found = kept ? kept->items.count : 0;
     return wanted > found ? wanted - found : 0;
 }
 
@@ -22,7 +22,7 @@ std::size_t items_to_find(const Node& node, const std::optional<GrownResult>& ke
 
 std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation& prepared,
                                      const std::vector<Calls>& calls,
-                                     const std::vector<Share>& shares, const History& history,
+                                     const std::vector<NodeLoad>& loads, const History& history,
                                      const RunOptions& options) {
     std::vector<NodeCost> out(pipeline.nodes.size());
     for (std::size_t n = 0; n < out.size(); ++n) {
@@ -36,7 +36,7 @@ std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation
             now.input_bytes = prepared.inputs().frame_bytes;
             if (work == Work::once) {
                 if (calls[n].once)
-                    now.gathered = shares[n].consumed_inputs + shares[n].consumed_digests;
+                    now.gathered = loads[n].consumed_inputs + loads[n].consumed_digests;
                 now.items = items_to_find(node, prepared.grown(n), cost);
             }
             cost = WorkTime{seconds_in(*cost, now), now};

@@ -15,7 +15,7 @@ namespace fluidcarve {
 /// @param calls  one per node
 std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation& prepared,
                                      const std::vector<Calls>& calls,
-                                     const std::vector<Share>& shares, const History& history,
+                                     const std::vector<NodeLoad>& loads, const History& history,
                                      const RunOptions& options);
 
 /// Expected wall seconds of a node's work in a run.

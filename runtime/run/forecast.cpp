@@ -38,14 +38,14 @@ std::string time_text(const Forecast& forecast) {
     if (forecast.unmeasured.empty()) return "about " + duration_text(forecast.seconds);
     if (!forecast.remembers) return "not known: without the work folder no run is remembered";
     if (forecast.seconds <= 0) return "not known before the first run";
-    return fmt::format("at least {}, without what never ran to its end: {}",
+    return fmt::format("at least {}, not counting nodes that never ran to their end: {}",
                        duration_text(forecast.seconds), fmt::join(forecast.unmeasured, ", "));
 }
 
 }  // namespace
 
 Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
-                       const Schedule& schedule, const std::vector<Share>& shares,
+                       const Schedule& schedule, const std::vector<NodeLoad>& loads,
                        const History& history, const RunOptions& options) {
     const auto& plan = prepared.plan();
     Forecast out;
@@ -54,28 +54,27 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
     out.delivered = FrameSet(prepared.delivered_frames());
     out.passes = passes_of(pipeline, plan, schedule);
     out.remembers = history.on();
-    const auto why =
-        reasons(pipeline, shares, history, prepared.dependencies(), [&](std::size_t n) {
-            return NodeNow{prepared.reads(n), prepared.grown(n)};
-        });
+    const auto why = reasons(pipeline, loads, history, prepared.dependencies(), [&](std::size_t n) {
+        return NodeNow{prepared.reads(n), prepared.grown(n)};
+    });
     const auto calls = calls_of(schedule);
-    out.expected = expected_costs(pipeline, prepared, calls, shares, history, options);
+    out.expected = expected_costs(pipeline, prepared, calls, loads, history, options);
     const auto input_bytes = prepared.inputs().frame_bytes;
-    for (std::size_t n = 0; n < shares.size(); ++n) {
-        const auto& share = shares[n];
+    for (std::size_t n = 0; n < loads.size(); ++n) {
+        const auto& load = loads[n];
         const auto& node = pipeline.nodes[n];
-        if (share.frames == 0) continue;
-        out.lines.push_back({node.name, node.type->name, share.frames, share.frames - share.runs,
-                             why[n], share.consumed_inputs + share.consumed_digests,
-                             share.consumed_digests,
+        if (load.frames == 0) continue;
+        out.lines.push_back({node.name, node.type->name, load.frames, load.frames - load.runs,
+                             why[n], load.consumed_inputs + load.consumed_digests,
+                             load.consumed_digests,
                              node.type->growth ? node.type->growth->item : ""});
         const auto& cost = out.expected[n];
         bool known = true;
         out.seconds += expected_seconds(cost, calls[n], known);
         if (!known) out.unmeasured.push_back(node.name);
         const NodeWork work{calls[n].once,
-                            node.rate == Rate::frame && !share.only_digests ? share.runs : 0,
-                            share.consumed_inputs, share.consumed_digests};
+                            node.rate == Rate::frame && !load.only_digests ? load.runs : 0,
+                            load.consumed_inputs, load.consumed_digests};
         out.bytes += memory_of(node, cost, work, input_bytes, options);
         out.disk += disk_of(node, cost, work, input_bytes);
     }

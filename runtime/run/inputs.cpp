@@ -1,7 +1,7 @@
 #include "runtime/run/inputs.h"
 
 #include "carve/base/frame_set.h"
-#include "runtime/run/foresight.h"
+#include "runtime/run/carried_facts.h"
 
 #include <fmt/format.h>
 
@@ -21,12 +21,8 @@ public:
     };
     /// @param needed  frames that the run will read; nothing: all
     SurveyOf(std::size_t node, const std::vector<int>& frames,
-             const std::optional<FrameSet>& needed, Foresight& foresight, Taken taken = {})
-        : node_(node),
-          frames_(frames),
-          needed_(needed),
-          taken_(std::move(taken)),
-          foresight_(foresight) {}
+             const std::optional<FrameSet>& needed, CarriedFacts& facts, Taken taken = {})
+        : node_(node), frames_(frames), needed_(needed), taken_(std::move(taken)), facts_(facts) {}
     const std::vector<int>& frames() const override { return frames_; }
     bool needs(int frame) const override { return !needed_ || needed_->contains(frame); }
     bool wants(std::string_view output) const override { return taken_.outputs.contains(output); }
@@ -41,11 +37,11 @@ public:
         regions.emplace(output, region);
     }
     void warn(const std::string& message) override { warnings.push_back(message); }
-    void delivers(int frame, std::string_view output, Foreseen what) override {
-        foresight_.deliver(node_, frame, output, std::move(what));
+    void delivers(int frame, std::string_view output, SurveyedFacts what) override {
+        facts_.deliver(node_, frame, output, std::move(what));
     }
-    const Foreseen* receives(int frame, std::string_view input) const override {
-        return foresight_.receives(node_, frame, input);
+    const SurveyedFacts* receives(int frame, std::string_view input) const override {
+        return facts_.receives(node_, frame, input);
     }
 
     std::map<int, int> stand_ins;
@@ -60,7 +56,7 @@ private:
     const std::vector<int>& frames_;
     const std::optional<FrameSet>& needed_;
     const Taken taken_;
-    Foresight& foresight_;
+    CarriedFacts& facts_;
 };
 
 using OutputNames = std::set<std::string, std::less<>>;
@@ -74,9 +70,8 @@ std::vector<OutputNames> wanted_outputs(const Pipeline& pipeline, const std::vec
         if (cache && node.kept)
             for (const auto& output : node.outputs) out[n].insert(output.name);
         if (!needed[n]) continue;
-        for (const auto& links : node.inputs)
-            for (const auto& link : links)
-                out[link.node].insert(pipeline.nodes[link.node].outputs[link.output].name);
+        for (const auto& link : node.links())
+            out[link.node].insert(pipeline.nodes[link.node].outputs[link.output].name);
     }
     return out;
 }
@@ -100,7 +95,7 @@ void add_missing(const Node& node, const SurveyOf& of, std::vector<Fault>& out) 
 
 /// Passes the facts of readers through the pipeline, and lets the other nodes check them.
 void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<FrameSet>& deliver,
-                Foresight& foresight, Inputs& out) {
+                CarriedFacts& facts, Inputs& out) {
     if (out.timelines.frames().empty()) return;
     const std::vector<int> once{out.timelines.frames().front()};
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
@@ -111,7 +106,7 @@ void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<
         const auto needed = frames_needed(pipeline, plan, n, deliver);
         for (const int frame : frames) {
             if (needed && !needed->contains(frame)) continue;
-            const auto clash = foresight.carry(n, frame);
+            const auto clash = facts.carry(n, frame);
             if (clash.empty()) continue;
             out.clashes.push_back(
                 fault_in(node, node.rate == Rate::fixed ? std::nullopt : std::optional(frame),
@@ -119,7 +114,7 @@ void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<
             break;
         }
         if (!node.type->survey) continue;
-        SurveyOf of(n, frames, needed, foresight);
+        SurveyOf of(n, frames, needed, facts);
         node.type->survey(node.params.get(), of);
         add_missing(node, of, out.missing);
     }
@@ -168,7 +163,7 @@ Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan,
                      const std::optional<FrameSet>& deliver, bool cache, Report& report) {
     Inputs out;
     std::set<int> left_out;
-    Foresight foresight(pipeline);
+    CarriedFacts facts(pipeline);
     const auto wanted = wanted_outputs(pipeline, plan.needed, cache);
     const auto picks = picks_of(pipeline, plan.needed);
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
@@ -176,7 +171,7 @@ Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan,
         if (!plan.needed[n] || !node.type->survey || !node.type->inputs.empty()) continue;
         const std::vector<int> once{pipeline.frames.frames().front()};
         const auto read = frames_needed(pipeline, plan, n, deliver);
-        SurveyOf of(n, node.rate == Rate::fixed ? once : node.frames.frames(), read, foresight,
+        SurveyOf of(n, node.rate == Rate::fixed ? once : node.frames.frames(), read, facts,
                     {wanted[n], picks[n]});
         node.type->survey(node.params.get(), of);
         for (const auto& warning : of.warnings) report.warn(n, warning);
@@ -200,11 +195,11 @@ Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan,
         if (stand_ins.empty() || left_out.empty() || pipeline.nodes[n].rate == Rate::fixed)
             continue;
         const std::optional<FrameSet> none = FrameSet();
-        SurveyOf again(n, out.timelines.delivered(n).frames, none, foresight);
+        SurveyOf again(n, out.timelines.delivered(n).frames, none, facts);
         pipeline.nodes[n].type->survey(pipeline.nodes[n].params.get(), again);
         stand_ins = again.stand_ins;
     }
-    look_ahead(pipeline, plan, deliver, foresight, out);
+    look_ahead(pipeline, plan, deliver, facts, out);
     return out;
 }
 

@@ -18,8 +18,8 @@ constexpr auto between_looks = std::chrono::milliseconds(500);
 
 /// Why a node's results should exist, and what makes them; empty: they exist, or the run may make
 /// them.
-std::string lack_of(const Pipeline& pipeline, std::size_t n, const Plan& plan, const Share& share,
-                    const RunRequest& request) {
+std::string lack_of(const Pipeline& pipeline, std::size_t n, const Plan& plan,
+                    const NodeLoad& share, const RunRequest& request) {
     const auto& node = pipeline.nodes[n];
     if (plan.targets[n] || plan.digested[n]) return {};
     const auto waited =
@@ -46,10 +46,10 @@ std::string lack_of(const Pipeline& pipeline, std::size_t n, const Plan& plan, c
 }
 
 std::vector<Fault> missing_in(const Pipeline& pipeline, const Plan& plan,
-                              const std::vector<Share>& shares, const RunRequest& request) {
+                              const std::vector<NodeLoad>& loads, const RunRequest& request) {
     std::vector<Fault> out;
-    for (std::size_t n = 0; n < shares.size(); ++n)
-        if (const auto lack = lack_of(pipeline, n, plan, shares[n], request); !lack.empty())
+    for (std::size_t n = 0; n < loads.size(); ++n)
+        if (const auto lack = lack_of(pipeline, n, plan, loads[n], request); !lack.empty())
             out.push_back(fault_in(pipeline.nodes[n], std::nullopt, lack, Failure::Kind::input));
     return out;
 }
@@ -86,8 +86,8 @@ Prerequisites wait_for_prerequisites(const Pipeline& pipeline, Preparation& prep
     const auto uncached = prepared.uncached_schedule();
     while (true) {
         Prerequisites out{prepared.schedule(), {}, {}};
-        out.shares = shares(pipeline, prepared.plan(), out.schedule, uncached);
-        out.missing = missing_in(pipeline, prepared.plan(), out.shares, request);
+        out.loads = loads_of(pipeline, prepared.plan(), out.schedule, uncached);
+        out.missing = missing_in(pipeline, prepared.plan(), out.loads, request);
         if (const auto unread = prepared.cache().unread(); !unread.empty())
             for (auto& fault : out.missing)
                 fault.message =

@@ -35,10 +35,10 @@ namespace {
 
 /// Creates the first file of each writer and removes it again, so that a folder that can't be
 /// written to fails before a long run.
-void try_outputs(const Pipeline& pipeline, const std::vector<Share>& shares, int frame,
+void try_outputs(const Pipeline& pipeline, const std::vector<NodeLoad>& loads, int frame,
                  Report& report) {
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
-        if (shares[n].runs == 0) continue;
+        if (loads[n].runs == 0) continue;
         const auto& node = pipeline.nodes[n];
         for (const auto& [param, path] : node.written()) {
             try {
@@ -53,7 +53,7 @@ void try_outputs(const Pipeline& pipeline, const std::vector<Share>& shares, int
 }
 
 /// Whether all work is done, so that nothing is left to interrupt.
-bool all_done(const Report& report, const std::vector<Share>& to_do) {
+bool all_done(const Report& report, const std::vector<NodeLoad>& to_do) {
     const auto done = report.done();
     for (std::size_t n = 0; n < to_do.size(); ++n)
         if (done[n] < to_do[n].frames) return false;
@@ -79,7 +79,7 @@ bool keeps_what_was_asked(const Pipeline& pipeline, Preparation& prepared,
     if (request.target.to.empty() || !request.options.cache) return true;
     const auto& plan = prepared.plan();
     auto fault = prepared.cache().fault();
-    const auto left = shares(pipeline, plan, prepared.schedule(), prepared.uncached_schedule());
+    const auto left = loads_of(pipeline, plan, prepared.schedule(), prepared.uncached_schedule());
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         const bool asked = plan.digested[n] ? digests_apart(node)
@@ -98,10 +98,10 @@ bool keeps_what_was_asked(const Pipeline& pipeline, Preparation& prepared,
 
 /// Stores the state of all nodes in the history, so that a later forecast can say what changed.
 void remember(const Pipeline& pipeline, const Preparation& prepared,
-              const std::vector<Share>& shares, History& history) {
+              const std::vector<NodeLoad>& loads, History& history) {
     if (!history.on()) return;
-    for (std::size_t n = 0; n < shares.size(); ++n)
-        if (shares[n].frames > 0)
+    for (std::size_t n = 0; n < loads.size(); ++n)
+        if (loads[n].frames > 0)
             history.set(pipeline.nodes[n].name,
                         History::made_of(pipeline, n, prepared.dependencies(), prepared.reads(n)));
     history.save();
@@ -161,7 +161,7 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     for (const auto& fault : report.faults()) tell("failed: " + to_text(fault));
     if (!report.faults().empty()) return exit_code::input;
     const auto schedule = prepared.schedule();
-    const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
+    const auto to_do = loads_of(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
     if (!request.quiet) tell_of_unread(prepared.cache());
     const History history(request.options.cache ? request.options.work_folder : std::string(),
                           pipeline.name);
@@ -255,7 +255,7 @@ private:
         // repeat_logs found a damaged entry: its result must be computed again.
         if (prepared.cache().damaged() > 0) {
             schedule = prepared.careful_schedule();
-            to_do = shares(pipeline_, prepared.plan(), schedule, prepared.uncached_schedule());
+            to_do = loads_of(pipeline_, prepared.plan(), schedule, prepared.uncached_schedule());
         }
         History history(work_folder(), pipeline_.name);
         const auto forecast =

@@ -62,9 +62,8 @@ int save_manifest(Manifest& manifest, const RunRequest& request) {
     try {
         const auto [listed, added] = manifest.save();
         if (!request.quiet)
-            tell(fmt::format("manifest {}: {} as it lists {}, {} added", request.manifest_path,
-                             listed == 1 ? "1 file is" : fmt::format("{} files are", listed),
-                             listed == 1 ? "it" : "them", added));
+            tell(fmt::format("manifest {}: {} unchanged, {} added", request.manifest_path,
+                             counted(listed, "file"), added));
         return exit_code::done;
     } catch (const Failure& failure) {
         tell(fmt::format("failed: manifest: {}", failure.what()));

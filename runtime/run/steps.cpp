@@ -24,7 +24,7 @@ using Maker = std::optional<std::size_t>;
 /// The work of a node in a step, all frames together.
 struct StepWork {
     Calls calls;
-    Share share;
+    NodeLoad share;
     NodeFrames frames;
 };
 
@@ -36,12 +36,11 @@ std::set<std::size_t> computed_with(const Pipeline& pipeline, std::size_t node) 
     while (!open.empty()) {
         const auto n = open.back();
         open.pop_back();
-        for (const auto& links : pipeline.nodes[n].inputs)
-            for (const auto& link : links) {
-                const auto& source = pipeline.nodes[link.node];
-                if (source.rate == Rate::frame && !source.kept && out.insert(link.node).second)
-                    open.push_back(link.node);
-            }
+        for (const auto& link : pipeline.nodes[n].links()) {
+            const auto& source = pipeline.nodes[link.node];
+            if (source.rate == Rate::frame && !source.kept && out.insert(link.node).second)
+                open.push_back(link.node);
+        }
     }
     return out;
 }
@@ -181,7 +180,7 @@ private:
         step.needs = without_implied(needed);
         all_needs_.push_back(closure(needed));
         step.target.only = make(schedule, plan, out_.size());
-        set_cost(step, schedule, shares(pipeline_, plan, schedule, uncached), places.size());
+        set_cost(step, schedule, loads_of(pipeline_, plan, schedule, uncached), places.size());
         out_.push_back(std::move(step));
     }
 
@@ -240,7 +239,7 @@ private:
         return out;
     }
 
-    void set_cost(RunStep& step, const Schedule& schedule, const std::vector<Share>& shares,
+    void set_cost(RunStep& step, const Schedule& schedule, const std::vector<NodeLoad>& shares,
                   std::size_t all) const {
         const auto calls = calls_of(schedule);
         // A step may read fewer grids than the whole run, and so has frames of another size.

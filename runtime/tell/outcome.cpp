@@ -19,18 +19,19 @@ std::string done_text(const Outcome& outcome) {
 }
 
 std::string interrupted_text(bool kept) {
-    return kept ? "interrupted; run it again to go on"
+    return kept ? "interrupted; run it again to continue"
                 : "interrupted; with --no-cache the next run begins anew";
 }
 
-bool nothing_to_do(const std::vector<Share>& shares) {
-    return std::ranges::any_of(shares, [](const Share& share) { return share.frames > 0; }) &&
-           std::ranges::all_of(shares, [](const Share& share) {
+bool nothing_to_do(const std::vector<NodeLoad>& shares) {
+    return std::ranges::any_of(shares, [](const NodeLoad& share) { return share.frames > 0; }) &&
+           std::ranges::all_of(shares, [](const NodeLoad& share) {
                return share.runs == 0 && share.consumed_inputs == 0;
            });
 }
 
-std::vector<std::string> written_paths(const Pipeline& pipeline, const std::vector<Share>& shares) {
+std::vector<std::string> written_paths(const Pipeline& pipeline,
+                                       const std::vector<NodeLoad>& shares) {
     std::vector<std::string> out;
     for (std::size_t n = 0; n < shares.size(); ++n) {
         const auto& node = pipeline.nodes[n];
@@ -42,7 +43,7 @@ std::vector<std::string> written_paths(const Pipeline& pipeline, const std::vect
 }
 
 std::optional<std::size_t> written_frames(const Pipeline& pipeline,
-                                          const std::vector<Share>& shares) {
+                                          const std::vector<NodeLoad>& shares) {
     std::optional<std::size_t> out;
     for (std::size_t n = 0; n < shares.size(); ++n) {
         if (shares[n].frames == 0) continue;

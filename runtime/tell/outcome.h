@@ -26,12 +26,13 @@ std::string done_text(const Outcome& outcome);
 std::string interrupted_text(bool kept);
 
 /// Whether all results of a run exist before it begins. @param shares  one per node
-bool nothing_to_do(const std::vector<Share>& shares);
+bool nothing_to_do(const std::vector<NodeLoad>& shares);
 /// The paths of the writers that take part in a run, as the pipeline states them, each once.
-std::vector<std::string> written_paths(const Pipeline& pipeline, const std::vector<Share>& shares);
+std::vector<std::string> written_paths(const Pipeline& pipeline,
+                                       const std::vector<NodeLoad>& shares);
 /// Largest number of frames of any writer of a file per frame; downstream of a node that retimes,
 /// it differs from the number read. Nothing: there is no such writer.
 std::optional<std::size_t> written_frames(const Pipeline& pipeline,
-                                          const std::vector<Share>& shares);
+                                          const std::vector<NodeLoad>& shares);
 
 }  // namespace fluidcarve

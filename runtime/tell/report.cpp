@@ -1,12 +1,12 @@
 #include "runtime/tell/report.h"
 
+#include "carve/base/numbers.h"
 #include "carve/base/one_line.h"
 
 #include <fmt/format.h>
 
 #include <sys/resource.h>
 #include <algorithm>
-#include <charconv>
 #include <tuple>
 
 namespace fluidcarve {
@@ -25,11 +25,9 @@ nlohmann::ordered_json in_order(const nlohmann::ordered_json& entry) {
     std::map<int, nlohmann::ordered_json> frames;
     if (entry.is_object())
         for (const auto& [name, value] : entry.items()) {
-            int frame = 0;
-            const auto* const end = name.data() + name.size();
-            const auto parsed = std::from_chars(name.data(), end, frame);
-            if (parsed.ec != std::errc() || parsed.ptr != end) return entry;
-            frames[frame] = value;
+            const auto frame = number_of<int>(name);
+            if (!frame) return entry;
+            frames[*frame] = value;
         }
     if (frames.empty()) return entry;
     auto out = nlohmann::ordered_json::object();
@@ -41,7 +39,7 @@ nlohmann::ordered_json in_order(const nlohmann::ordered_json& entry) {
 
 Report::Report(const Pipeline& pipeline) : pipeline_(pipeline), stats_(pipeline.nodes.size()) {}
 
-void Report::expect(std::vector<Share> shares) {
+void Report::expect(std::vector<NodeLoad> shares) {
     const std::lock_guard lock(mutex_);
     if (shares_.empty()) shares_ = std::move(shares);
 }

@@ -334,7 +334,8 @@ TEST_CASE("engines refuse what they can't do, and make nothing", "[long]") {
     CHECK(held.code == 1);
     CHECK_THAT(
         held.err,
-        Catch::Contains("taken/submit is there already, and of others; choose another --output"));
+        Catch::Contains(
+            "taken/submit is there already, and `farm` did not write it; choose another --output"));
     CHECK(!fs::exists(project.folder() + "/taken/out.sbatch"));
     CHECK(project.call("farm slurm", "--output .").code == 0);
     CHECK(project.call("farm slurm", "--output .").code == 0);

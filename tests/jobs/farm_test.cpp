@@ -108,7 +108,7 @@ TEST_CASE("a farm that is stopped ends its tasks, and goes on when it is run aga
                                     " & farm=$!; until pgrep -P $farm >/dev/null; do sleep 0.01; "
                                     "done; kill -TERM $farm; wait $farm");
     CHECK(stopped.code == 130);
-    CHECK_THAT(stopped.err, Catch::Contains("interrupted; to go on, type: cd ") &&
+    CHECK_THAT(stopped.err, Catch::Contains("interrupted; to continue, run: cd ") &&
                                 Catch::Contains(" farm local pipelines/plume.yaml "));
     CHECK(plume.status("out").at("state") != "done");
     CHECK(call_shell(plume.command("farm local", "out", "--chunk 1")).code == 0);
@@ -133,11 +133,11 @@ TEST_CASE(
     CHECK_THAT(failed.err, Catch::Contains("failed: seams: seams (seam.pyramid): ") &&
                                Catch::Contains("\n  its log: "));
     CHECK_THAT(failed.err, Catch::Contains("not run, since they need what failed: "));
-    CHECK_THAT(failed.err, Catch::Contains("to go on, mend it and type: cd "));
+    CHECK_THAT(failed.err, Catch::Contains("to continue, fix the cause, then run: cd "));
     const auto status = call_shell(FLUIDCARVE_PROGRAM " status --work " + plume.work("out"));
     CHECK_THAT(status.out, Catch::Contains("local): failed\n") &&
                                Catch::Contains("failed: seams: seams (seam.pyramid): ") &&
-                               Catch::Contains("to go on, type: cd "));
+                               Catch::Contains("to continue, run: cd "));
     // The ends of tasks are seen, too, where the parent of the farm ignores those of its children.
     CHECK(call_shell("bash -c 'trap \"\" CHLD; exec " + again + "'").code == 1);
     shot("");
@@ -231,7 +231,7 @@ TEST_CASE("tasks are as long as is asked for, by earlier runs") {
         return out;
     };
     CHECK(tasks("0.00001",
-                "warning: --minutes 1e-05: nobody measured yet how long a frame takes in "
+                "warning: --minutes 1e-05: the time per frame is not measured yet in "
                 "sharp-energy, box-fit, seams-energy; 10 frames a task\n") == 1);
     REQUIRE(call_shell(plume.command("run", "out", "-q --to seams")).code == 0);
     CHECK(tasks("0.00001", "") == 6);

@@ -27,7 +27,7 @@ VolumeGrid held(const openvdb::GridBase::Ptr& header) {
         (*values)[static_cast<std::size_t>(n * channels + 2)] = 0.1f * static_cast<float>(n);
     (*values)[2] = -0.0f;
     (*values)[6] = std::numeric_limits<float>::infinity();
-    Plane plane{box, stored, nullptr, channels, -width * channels};
+    ChannelPixels plane{box, stored, nullptr, channels, -width * channels};
     plane.values =
         std::shared_ptr<const float>(values, values->data() + (height - 1) * width * channels + 2);
     header->setName("Z");
@@ -41,7 +41,7 @@ FloatGrid::Ptr by_voxel(const VolumeGrid& grid) {
     const auto out = openvdb::gridPtrCast<FloatGrid>(grid.header().copyGridWithNewTree());
     for (auto at = box.begin(); at; ++at)
         out->tree().setValue(*at,
-                             stored.isInside(*at) ? grid.plane()->at((*at).x(), (*at).y()) : 0.0f);
+                             stored.isInside(*at) ? grid.pixels()->at((*at).x(), (*at).y()) : 0.0f);
     return out;
 }
 
@@ -51,9 +51,9 @@ TEST_CASE(
     "a picture's channel becomes the tree of its voxels, all active, whatever its place and the "
     "order of its rows") {
     const auto plane = held(FloatGrid::create(0));
-    CHECK(plane.plane()->at(0, 20) == 0);
-    CHECK(std::signbit(plane.plane()->at(0, 20)));
-    CHECK(plane.plane()->at(1, 19) == Approx(0.1f * 14));
+    CHECK(plane.pixels()->at(0, 20) == 0);
+    CHECK(std::signbit(plane.pixels()->at(0, 20)));
+    CHECK(plane.pixels()->at(1, 19) == Approx(0.1f * 14));
     CHECK(test::difference(*plane.grid(), *by_voxel(plane)).empty());
     CHECK(plane.name() == "Z");
     CHECK(plane.bytes() == stored.volume() * sizeof(float));
@@ -70,10 +70,10 @@ TEST_CASE(
     const auto changed = openvdb::gridConstPtrCast<FloatGrid>(plane.grid())->deepCopy();
     changed->tree().setValue({3, 9, 6}, 7);
     const auto again = plane.holding(changed);
-    REQUIRE(again.plane());
-    CHECK(again.plane()->at(3, 9) == 7);
+    REQUIRE(again.pixels());
+    CHECK(again.pixels()->at(3, 9) == 7);
     CHECK(test::difference(*again.grid(), *changed).empty());
-    CHECK(VolumeGrid(plane.grid()).holding(changed).plane() == nullptr);
+    CHECK(VolumeGrid(plane.grid()).holding(changed).pixels() == nullptr);
 
     const auto hole = changed->deepCopy(), deep = changed->deepCopy(), empty = FloatGrid::create(0),
                vague = FloatGrid::create(1);
@@ -81,7 +81,7 @@ TEST_CASE(
     deep->tree().setValue({3, 9, 7}, 1);
     vague->tree().setValue({0, 0, 0}, 1);
     for (const auto& other : {hole, deep, empty, vague}) {
-        CHECK(plane.holding(other).plane() == nullptr);
+        CHECK(plane.holding(other).pixels() == nullptr);
         CHECK(plane.holding(other).grid() == other);
     }
 }
@@ -95,9 +95,9 @@ TEST_CASE(
     Stored<Volume>::write(volume, file);
     const auto back = Stored<Volume>::read(file);
     REQUIRE(back->grids.size() == 2);
-    CHECK(back->grids[0].plane());
-    CHECK(back->grids[1].plane() == nullptr);
-    CHECK(back->grids[0].plane()->stored == stored);
+    CHECK(back->grids[0].pixels());
+    CHECK(back->grids[1].pixels() == nullptr);
+    CHECK(back->grids[0].pixels()->stored == stored);
     for (const auto& grid : back->grids)
         CHECK(test::difference(*grid.grid(), *volume.grids[0].grid()).empty());
     for (std::size_t size = 0; size < file.str().size(); size += 97) {

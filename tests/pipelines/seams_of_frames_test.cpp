@@ -224,8 +224,9 @@ TEST_CASE("what can't take seams of frames, and what they can't do, is told befo
                Catch::Contains("3 seams do not fit: window [2, 3] has room to remove 2"));
     CHECK_THAT(said("1-6", "count: -1", ", conserve: mass"),
                Catch::Contains("'conserve' has no effect on seams of frames"));
-    CHECK_THAT(said("1-6", "count: -1", ", join: cut, transform_vectors: true"),
-               Catch::Contains("'transform_vectors' has no effect on frames that go over at once"));
+    CHECK_THAT(
+        said("1-6", "count: -1", ", join: cut, transform_vectors: true"),
+        Catch::Contains("'transform_vectors' has no effect where frames are cut or blended"));
     scratch.write("still.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     CHECK_THAT(said("1-6", "count: -1", "",
                     fmt::format("  still: {{type: mesh.read, path: {}}}\n"
@@ -242,12 +243,12 @@ TEST_CASE("what can't take seams of frames, and what they can't do, is told befo
                     "  both: {type: remap.grids, source: sim, lattice: box, seams: [thin, "
                     "seams]}\n"),
                Catch::Contains("takes seams of frames (`axis: t`) alone"));
-    CHECK_THAT(said("1-6", "count: -1", "",
-                    "  smooth: {type: filter.seam, source: sim, lattice: box, seams: seams}\n"),
-               Catch::Contains(
-                   "filter.seam input 'seams' takes 'seams', but these are seams of frames "
-                   "(`axis: t`), which only remap.grids, remap.points and remap.mesh carve and "
-                   "seams.write writes"));
+    CHECK_THAT(
+        said("1-6", "count: -1", "",
+             "  smooth: {type: filter.seam, source: sim, lattice: box, seams: seams}\n"),
+        Catch::Contains("filter.seam input 'seams' takes 'seams', but these are seams of frames "
+                        "(`axis: t`): remap.grids, remap.points and remap.mesh carve them, "
+                        "seams.write writes them, and no other node takes them"));
     CHECK_THAT(said("1-6", "count: -1, best_effort: true"),
                Catch::Contains("the number of frames must be known before the run"));
 }

@@ -429,10 +429,10 @@ TEST_CASE("with a manifest, a byte that rotted in a volume is told, and nothing 
     bench.put({1, 2, 3, 4, 5, 6});
     const auto with = " --manifest " + (bench.scratch / "shot.manifest");
     require(bench.run("-f 1-4" + with), 0,
-            "manifest shot.manifest: 0 files are as it lists them, 4 added\ndone: 4 frames in N s "
+            "manifest shot.manifest: 0 files unchanged, 4 added\ndone: 4 frames in N s "
             "-> out/o.####.vdb\n");
     require(bench.run("--no-cache" + with), 0,
-            "manifest shot.manifest: 4 files are as it lists them, 2 added\ndone: 6 frames in N s "
+            "manifest shot.manifest: 4 files unchanged, 2 added\ndone: 6 frames in N s "
             "-> out/o.####.vdb\n");
     const auto manifest = Scratch::read(bench.scratch / "shot.manifest");
     fs::remove_all(bench.scratch / "out");
@@ -453,7 +453,7 @@ TEST_CASE("with a manifest, a byte that rotted in a volume is told, and nothing 
           Files{"o.0001.vdb", "o.0002.vdb", "o.0004.vdb", "o.0005.vdb", "o.0006.vdb"});
     bench.scratch.write("in.0003.vdb", whole);
     require(bench.run(with), 0,
-            "manifest shot.manifest: 6 files are as it lists them, 0 added\ndone: 6 frames in N s "
+            "manifest shot.manifest: 6 files unchanged, 0 added\ndone: 6 frames in N s "
             "-> out/o.####.vdb\n");
     CHECK(Scratch::read(bench.scratch / "shot.manifest") == manifest);
 }

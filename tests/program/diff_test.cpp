@@ -121,7 +121,7 @@ TEST_CASE("what diff can't compare is told before anything is read") {
               " is one file; name two sequences or two files\n");
     CHECK(refused("tests/data " + a) ==
           "tests/data is a folder, but " + a +
-              " is none; name two folders, two sequences or two files\n");
+              " is not; name two folders, two sequences or two files\n");
     CHECK(refused(a + " " + a + " --warn 0.1") ==
           "--warn 0.1 is above --fail 0: what it would warn of fails; give --fail a greater "
           "number\n");

@@ -251,7 +251,7 @@ TEST_CASE("Ctrl-C stops a run within a second and leaves no half file") {
         " ]; do sleep 0.02; done; kill -INT $pid; begin=$(date +%s%N); wait $pid; code=$?; " +
         "echo $(( ($(date +%s%N) - begin) / 1000000 )); exit $code)");
     CHECK(ran.code == 130);
-    CHECK_THAT(ran.err, Catch::EndsWith("interrupted; run it again to go on\n"));
+    CHECK_THAT(ran.err, Catch::EndsWith("interrupted; run it again to continue\n"));
     CHECK(std::stoi(ran.out) < 1000);
     const auto files = files_in(scratch);
     CHECK(files.size() > 2);

@@ -2,6 +2,7 @@
 
 #include "graph/text/yaml_reader.h"
 #include "graph/types/node_type.h"
+#include "tests/support/failure_of.h"
 
 #include <functional>
 #include <map>
@@ -109,19 +110,19 @@ public:
         }
         const std::vector<Pick>& picks() const override { return picked; }
         void warn(const std::string& message) override { warnings.push_back(message); }
-        void delivers(int frame, std::string_view output, Foreseen what) override {
+        void delivers(int frame, std::string_view output, SurveyedFacts what) override {
             delivered[{frame, std::string(output)}] = std::move(what);
         }
-        const Foreseen* receives(int, std::string_view input) const override {
+        const SurveyedFacts* receives(int, std::string_view input) const override {
             const auto found = received.find(std::string(input));
             return found == received.end() ? nullptr : &found->second;
         }
-        std::map<std::pair<int, std::string>, Foreseen> delivered;
-        std::map<std::string, Foreseen> received;  ///< by input, in all frames
+        std::map<std::pair<int, std::string>, SurveyedFacts> delivered;
+        std::map<std::string, SurveyedFacts> received;  ///< by input, in all frames
     };
     /// @param received  what readers say of the inputs
     /// @param picks     parts that other nodes take of its first output
-    Surveyed survey(std::vector<int> frames, std::map<std::string, Foreseen> received = {},
+    Surveyed survey(std::vector<int> frames, std::map<std::string, SurveyedFacts> received = {},
                     std::vector<Pick> picks = {}) const {
         Surveyed out;
         out.all = std::move(frames);
@@ -208,16 +209,5 @@ private:
     Behaviour behaviour_;
     std::string faults_;
 };
-
-/// The message of the Failure that a call throws; empty if it throws none.
-template <class Call>
-std::string failure_of(const Call& call) {
-    try {
-        call();
-    } catch (const Failure& failure) {
-        return failure.what();
-    }
-    return {};
-}
 
 }  // namespace fluidcarve::test

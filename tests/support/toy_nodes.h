@@ -246,7 +246,7 @@ struct Top {
     static Growth growth() {
         return {"count", [](const void*) { return std::string("largest"); },
                 [](const Payload& result) {
-                    return Extent{steps(*result.as<Text>()).size(), 0};
+                    return ItemCount{steps(*result.as<Text>()).size(), 0};
                 },
                 [](const void* params, std::size_t) {
                     return static_cast<std::size_t>(static_cast<const Params*>(params)->count);
@@ -349,10 +349,10 @@ inline Registry registry() {
                                 any_number(), "Looks at one place of the sequence only.")
                          .output("total", &Total::Ports::total, "The sum.")));
     out.add(NodeType(
-        Declare<Share>("toy.share", "A number as a share of the largest.")
-            .input("number", &Share::Ports::number, "The number.")
-            .param("stated", &Share::Params::stated, "The largest is 1; nothing is gathered.")
-            .output("share", &Share::Ports::share, "The share.")));
+        Declare<NodeLoad>("toy.share", "A number as a share of the largest.")
+            .input("number", &NodeLoad::Ports::number, "The number.")
+            .param("stated", &NodeLoad::Params::stated, "The largest is 1; nothing is gathered.")
+            .output("share", &NodeLoad::Ports::share, "The share.")));
     out.add(NodeType(
         Declare<Print>("toy.print", "Writes down a number.")
             .input("number", &Print::Ports::number, "The number.")

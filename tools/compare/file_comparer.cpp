@@ -13,15 +13,19 @@ double PartDifference::rms() const {
                                  : 0;
 }
 
+void PartDifference::add_sums(const PartDifference& other) {
+    compared += other.compared;
+    over += other.over;
+    warned += other.warned;
+    only_a += other.only_a;
+    only_b += other.only_b;
+    not_finite += other.not_finite;
+    sum += other.sum;
+    squares += other.squares;
+}
+
 bool PartDifference::add(const PartDifference& frame) {
-    compared += frame.compared;
-    over += frame.over;
-    warned += frame.warned;
-    only_a += frame.only_a;
-    only_b += frame.only_b;
-    not_finite += frame.not_finite;
-    sum += frame.sum;
-    squares += frame.squares;
+    add_sums(frame);
     if (!frame.worst || (worst && frame.peak <= peak)) return false;
     peak = frame.peak;
     worst = frame.worst;

@@ -57,6 +57,8 @@ struct PartDifference {
     /// Mean difference and root mean square of those that are finite.
     double mean() const;
     double rms() const;
+    /// Adds the counts and sums of other values. The peak and faults stay what they are.
+    void add_sums(const PartDifference& other);
     /// Adds the numbers of another frame. Faults stay what they are.
     /// @return whether its peak is the greater one, and was taken over
     bool add(const PartDifference& frame);

@@ -107,14 +107,7 @@ struct Tally {
 
     void join(const Tally& other) {
         const bool theirs = other.sums.worst && better(other.sums.peak, other.at);
-        sums.compared += other.sums.compared;
-        sums.over += other.sums.over;
-        sums.warned += other.sums.warned;
-        sums.only_a += other.sums.only_a;
-        sums.only_b += other.sums.only_b;
-        sums.not_finite += other.sums.not_finite;
-        sums.sum += other.sums.sum;
-        sums.squares += other.sums.squares;
+        sums.add_sums(other.sums);
         if (!theirs) return;
         sums.peak = other.sums.peak;
         sums.worst = other.sums.worst;

@@ -2,8 +2,8 @@
 
 #include "carve/base/failure.h"
 #include "carve/base/words.h"
+#include "carve/grid/named_grids.h"
 #include "formats/image/image.h"
-#include "formats/vdb/grid_names.h"
 #include "nodes/payload/picked_grid.h"
 
 #include <fmt/format.h>
@@ -215,19 +215,23 @@ std::array<std::string, 3> sources_of(const std::vector<openvdb::BBoxd>& boxes, 
     return out;
 }
 
-Contents contents_of_volumes(const std::vector<Facts>& files) {
+/// What to say of files in which nothing can be carved.
+std::string nothing_to_carve(const Grids& grids, const Facts& first) {
+    const auto lack = grids.lack();
+    return lack.empty() ? fmt::format(
+                              "{} holds nothing that can be carved: no particles, and no "
+                              "grid of floats or vectors with different values",
+                              first.at("file").get<std::string>())
+                        : lack;
+}
+
+/// Sets what the files hold, and the grid that shows it best.
+void choose_main(const Grids& grids, const Facts& first, Contents& out) {
     using Matter = Contents::Matter;
-    const Grids grids(files);
     auto fogs = grids.filled("float"), level_sets = fogs;
     std::erase_if(fogs, [&](const std::string& name) { return grids.is_level_set(name); });
     std::erase_if(level_sets, [&](const std::string& name) { return !grids.is_level_set(name); });
-    const auto vectors = grids.filled("vec3s"), points = point_grids(files.front());
-
-    Contents out;
-    out.in_volume = true;
-    out.floats = grids.all("float");
-    if (const auto& profile = files.front().at("profile"); profile.is_string())
-        out.profile = profile;
+    const auto vectors = grids.filled("vec3s"), points = point_grids(first);
     out.flame = named(fogs, flames);
     out.main = named(fogs, smokes);
     if (out.main.empty() &&
@@ -253,19 +257,23 @@ Contents contents_of_volumes(const std::vector<Facts>& files) {
         out.vectors = fogs.empty();
         out.main = out.vectors ? vectors.front() : fogs.front();
     } else {
-        const auto lack = grids.lack();
-        throw Failure(lack.empty()
-                          ? fmt::format("{} holds nothing that can be carved: no particles, and no "
-                                        "grid of floats or vectors with different values",
-                                        files.front().at("file").get<std::string>())
-                          : lack,
-                      Failure::Kind::input);
+        throw Failure(nothing_to_carve(grids, first), Failure::Kind::input);
     }
+}
+
+Contents contents_of_volumes(const std::vector<Facts>& files) {
+    const Grids grids(files);
+    Contents out;
+    out.in_volume = true;
+    out.floats = grids.all("float");
+    if (const auto& profile = files.front().at("profile"); profile.is_string())
+        out.profile = profile;
+    choose_main(grids, files.front(), out);
     out.voxel = grids.voxel(out.main);
     out.box = grids.box(out.main);
     if (!out.vectors) out.highest = grids.highest(out.main);
     if (!out.vectors) out.velocity = velocity_beside(grids, out.main);
-    if (out.matter != Matter::particles) out.same = grids.same(out.main);
+    if (out.matter != Contents::Matter::particles) out.same = grids.same(out.main);
     out.y_up = out.profile == "houdini" || out.profile == "embergen";
     out.source = sources_of(grids.boxes(out.main), out.voxel, out.y_up ? 1 : 2);
     return out;
@@ -324,7 +332,7 @@ Contents contents_of(const std::vector<Facts>& facts) {
     if (kind == "image") return contents_of_images(facts);
     if (kind == "mesh" || kind == "points") return contents_of_geometry(facts);
     throw Failure(
-        fmt::format("{} is a {}: rig.curve takes it for a lattice, but it holds nothing to carve",
+        fmt::format("{} is a {}, which holds nothing to carve; rig.curve makes a lattice of it",
                     facts.front().at("file").get<std::string>(), kind),
         Failure::Kind::input);
 }

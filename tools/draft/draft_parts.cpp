@@ -102,8 +102,8 @@ std::string DraftText::frames() const {
     return request_.frames.empty()
                ? ""
                : fmt::format(
-                     "\n# The frames whose files are there. State them, and one that is "
-                     "missing is told: {}\nframes: auto\n",
+                     "\n# `auto`: the frames whose files are there. State them as {}, and "
+                     "`run` reports a missing one.\nframes: auto\n",
                      request_.frames);
 }
 

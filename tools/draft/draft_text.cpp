@@ -2,6 +2,7 @@
 
 #include "carve/base/failure.h"
 #include "carve/base/frame_set.h"
+#include "carve/base/numbers.h"
 #include "carve/base/words.h"
 #include "graph/text/yaml_text.h"
 #include "graph/types/param.h"
@@ -10,7 +11,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 namespace fluidcarve {
@@ -271,9 +271,9 @@ std::string DraftText::at_another_pace() {
     if (!request_.solver.empty() || !request_.protect.empty() || !request_.seams.empty() ||
         !request_.solver_fields.empty() || !request_.remap_fields.empty())
         throw Failure(
-            "--axis t changes the speed of level sets, particles and meshes, and of what becomes "
-            "twice as long, by time.retime, so leave out --solver, --protect, --seams and what "
-            "else is for seams");
+            "--axis t changes the speed of level sets, particles and meshes, and of a sequence "
+            "that becomes twice as long, by time.retime: leave out --solver, --protect, --seams "
+            "and all other options for seams");
     const int before = frame_count(), after = before + frames_more();
     if (after < 2)
         throw Failure(fmt::format("--axis t: {} of {} frames leaves {}; leave two at least",
@@ -296,11 +296,9 @@ std::string DraftText::at_another_pace() {
 void DraftText::read_protected() {
     for (const auto& each : request_.protect) {
         const auto sign = each.rfind('=');
-        double number = 0;
-        const auto* const end = each.data() + each.size();
-        const bool is_range = sign != std::string::npos &&
-                              std::from_chars(each.data() + sign + 1, end, number).ptr == end &&
-                              sign + 1 < each.size();
+        const bool is_range =
+            sign != std::string::npos &&
+            number_of<double>(std::string_view(each).substr(sign + 1)).has_value();
         if (!is_range) {
             const auto ending = ending_of(each);
             const std::set<std::string> meshes{".obj", ".ply", ".off", ".stl"};

@@ -44,9 +44,8 @@ private:
     void require_time() const;
     int frame_count() const;  ///< of the input
     int frames_more() const;  ///< that the count adds; below 0: takes
-    /// Whether all goes faster or slower, since seams of frames do not suit it: water that changed
-    /// place by place would be torn, meshes can't be carved by them, and they can't show frames
-    /// more than twice.
+    /// Whether the whole sequence changes its pace, since seams of frames do not suit it: they tear
+    /// water, follow meshes badly, and can't show a frame more than twice.
     bool paced() const;
     /// A pipeline that makes the sequence faster or slower.
     std::string at_another_pace();

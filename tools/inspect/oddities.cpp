@@ -17,17 +17,17 @@
 
 namespace fluidcarve {
 
-void Oddities::add(const std::string& text, const std::string& grid) {
+void Oddities::add(const std::string& text, const std::string& name) {
     auto found = std::find_if(all_.begin(), all_.end(),
                               [&](const auto& each) { return each.first == text; });
     if (found == all_.end()) found = all_.insert(all_.end(), {text, {}});
-    if (!grid.empty()) found->second.push_back(grid);
+    if (!name.empty()) found->second.push_back(name);
 }
 
 std::vector<std::string> Oddities::lines() const {
     std::vector<std::string> out;
-    for (const auto& [text, grids] : all_)
-        out.push_back(grids.empty() ? text : fmt::format("{}: {}", fmt::join(grids, ", "), text));
+    for (const auto& [text, names] : all_)
+        out.push_back(names.empty() ? text : fmt::format("{}: {}", fmt::join(names, ", "), text));
     return out;
 }
 

@@ -15,11 +15,11 @@ namespace fluidcarve {
 /// Entries of metadata that are listed.
 constexpr std::size_t most_metadata = 1000;
 
-/// Notes for the author of a pipeline, each with the grids that it applies to; without grids it
-/// applies to the file.
+/// Notes for the author of a pipeline, each with the grids, channels or files that it applies to;
+/// without one it applies to all.
 class Oddities {
 public:
-    void add(const std::string& text, const std::string& grid = {});
+    void add(const std::string& text, const std::string& name = {});
     std::vector<std::string> lines() const;
 
 private:

@@ -2,8 +2,8 @@
 
 #include "carve/base/frame_set.h"
 #include "formats/file/confinement.h"
+#include "graph/provenance.h"
 #include "graph/types/frame_files.h"
-#include "graph/views/provenance.h"
 #include "runtime/keep/work_folder.h"
 #include "runtime/run/status.h"
 #include "runtime/tell/terminal.h"

@@ -54,10 +54,10 @@ struct RunArguments {
                                                  ///< farm's script), which is an error, from no -f
 
     void declare(CLI::App& verb);
-    /// The words of a command line that say the same, but for the part of the pipeline to run, and
-    /// for frames.
+    /// These arguments as words of a command line, without frames and without the part of the
+    /// pipeline to run.
     std::vector<std::string> words() const;
-    /// Declares only those about threads, memory, the work folder and what is printed.
+    /// Declares only the arguments about threads, memory, the work folder and printing.
     void declare_limits(CLI::App& verb);
 
     /// Checks the arguments. Prints a message and returns nothing if one is wrong.

@@ -1,11 +1,14 @@
-#include "tools/verbs/carve.h"
+#include "tools/verbs/verbs.h"
 
 #include "carve/base/words.h"
 #include "formats/file/path_pattern.h"
 #include "graph/build_pipeline.h"
 #include "graph/types/param.h"
+#include "graph/types/registry.h"
 #include "tools/draft/draft.h"
-#include "tools/verbs/draft_files.h"
+#include "tools/draft/draft_files.h"
+#include "tools/draft/request.h"
+#include "tools/verbs/arguments.h"
 #include "tools/verbs/run.h"
 
 #include <fmt/format.h>
@@ -13,13 +16,30 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 namespace fluidcarve {
 namespace {
+
+/// Arguments of the verb `carve`.
+struct CarveArguments {
+    std::string files, count, out, seams, sheet;
+    std::string axis = "x", solver;
+    bool warp = false;  ///< instead of a solver
+    std::vector<std::string> protect;
+    /// Stated values of options that become parameters of nodes, by name; empty: as the draft has
+    /// it.
+    std::map<std::string, std::string> params;
+    bool print_pipeline = false;
+    RunArguments run;
+
+    void declare(CLI::App& verb);
+};
 
 /// Whether a text is a number, perhaps with a sign, or a percentage.
 bool is_count(std::string_view text) {
@@ -152,8 +172,6 @@ void declare_solving(CLI::App& verb, CarveArguments& carve) {
             ->type_name("VALUE");
 }
 
-}  // namespace
-
 void CarveArguments::declare(CLI::App& verb) {
     verb.add_option("files", files,
                     "A sequence such as smoke.####.vdb, a file, or a folder that holds one "
@@ -182,35 +200,44 @@ void CarveArguments::declare(CLI::App& verb) {
     verb.add_option("--seams", seams, "Write the seams, to use again without solving")
         ->type_name("FILE.vdb");
     verb.add_flag("--print-pipeline", print_pipeline,
-                  "Print the pipeline, to go on from there with `fluidcarve run`; carve nothing");
+                  "Print the pipeline for `fluidcarve run`; carve nothing");
     run.declare(verb);
 }
 
+/// The verb `carve`: carves files in the box around them by the pipeline that `init` would write,
+/// without a file of it.
+/// @return an exit code
 int carve_files(CarveArguments& arguments, const Registry& registry) {
-    const auto wrong = [](const std::string& message) {
-        complain(message + "\n");
-        return exit_code::usage;
-    };
-    if (const auto fault = wrong_request(arguments, registry); !fault.empty()) return wrong(fault);
+    if (const auto fault = wrong_request(arguments, registry); !fault.empty())
+        return end_with(fault);
     auto source = std::make_shared<Source>();
     std::vector<std::string> words;
     try {
         const auto files = look_at_draft_files(arguments.files, Several::refused);
-        if (const auto fault = wrong_output(arguments, files); !fault.empty()) return wrong(fault);
+        if (const auto fault = wrong_output(arguments, files); !fault.empty())
+            return end_with(fault);
         source->name =
             "carve " + std::filesystem::path(files.sequence.path.text()).filename().string();
         source->text = draft_pipeline(request_of(arguments, files));
         words = words_of(arguments, files);
     } catch (const Failure& failure) {
-        return wrong(failure.what()), exit_code::of(failure, exit_code::usage);
+        return end_with(failure.what(), exit_code::of(failure, exit_code::usage));
     }
     Problems problems;
     auto document = read_document(source, {}, problems);
     document.command = std::move(words);
     auto pipeline = build_pipeline(document, registry, problems);
-    if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
+    if (!problems.empty()) return end_with(problems);
     if (arguments.print_pipeline) return print(source->text), exit_code::done;
     return run_built(std::move(pipeline), document, arguments.run, registry);
+}
+
+}  // namespace
+
+Verb::Work carve_verb(CLI::App& verb, Program& program) {
+    const auto arguments = std::make_shared<CarveArguments>();
+    arguments->declare(verb);
+    return [=, &program] { return carve_files(*arguments, program.registry); };
 }
 
 }  // namespace fluidcarve

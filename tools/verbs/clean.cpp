@@ -1,14 +1,15 @@
-#include "tools/verbs/clean.h"
+#include "tools/verbs/verbs.h"
 
+#include "carve/base/numbers.h"
 #include "carve/base/words.h"
 #include "runtime/jobs/job_status.h"
 #include "runtime/keep/work_folder.h"
 #include "runtime/run/run.h"
 #include "runtime/tell/exit_codes.h"
+#include "tools/verbs/verb.h"
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <chrono>
 #include <map>
 #include <memory>
@@ -35,17 +36,15 @@ std::optional<std::chrono::seconds> age_of(std::string_view text) {
     const auto unit = text.empty() ? units.end() : units.find(text.back());
     if (unit == units.end()) return std::nullopt;
     text.remove_suffix(1);
-    int number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc{} || end != text.data() + text.size() || number < 0 || number > 100000)
-        return std::nullopt;
-    return number * unit->second;
+    const auto number = number_of<int>(text);
+    if (!number || *number < 0 || *number > 100000) return std::nullopt;
+    return *number * unit->second;
 }
 
 /// Says how far the runs in a work folder have come.
 int status(const std::string& folder, bool json) {
     if (const auto fault = WorkFolder(folder).unread(); !fault.empty())
-        return complain("failed: " + fault + "\n"), exit_code::input;
+        return end_with("failed: " + fault, exit_code::input);
     return print(job_status_text(folder, json)), exit_code::done;
 }
 
@@ -63,12 +62,11 @@ int clean(const CleanArguments& arguments) {
     WorkFolder::Cleaning cleaning{older.empty() ? std::nullopt : age_of(older), dry_run,
                                   shot.empty() ? std::nullopt : std::optional(shot)};
     if (!older.empty() && !cleaning.older)
-        return complain(fmt::format("--older: '{}' is no age such as 7d, 12h, 30m or 2w\n", older)),
-               exit_code::usage;
+        return end_with(fmt::format("--older: '{}' is no age such as 7d, 12h, 30m or 2w", older));
     if (const auto fault = folder.unread(); !fault.empty())
-        return complain("failed: " + fault + "\n"), exit_code::input;
+        return end_with("failed: " + fault, exit_code::input);
     if (const auto fault = folder.fault(); !fault.empty())
-        return complain(fmt::format("cannot clean: {}\n", fault)), exit_code::usage;
+        return end_with(fmt::format("cannot clean: {}", fault));
     try {
         const auto cleaned = folder.clean(cleaning);
         const auto stay = [](std::size_t count, const char* why) {
@@ -87,7 +85,7 @@ int clean(const CleanArguments& arguments) {
                                                : "removed " + what,
                           rest));
     } catch (const Failure& failure) {
-        return complain(fmt::format("{}\n", failure.what())), exit_code::node_failed;
+        return end_with(failure.what(), exit_code::node_failed);
     }
     return exit_code::done;
 }

@@ -5,20 +5,8 @@
 #include "graph/code_trust.h"
 #include "runtime/tell/exit_codes.h"
 #include "runtime/tell/terminal.h"
-#include "tools/verbs/carve.h"
-#include "tools/verbs/clean.h"
-#include "tools/verbs/diff.h"
 #include "tools/verbs/examples.h"
-#include "tools/verbs/explain.h"
-#include "tools/verbs/farm.h"
-#include "tools/verbs/init.h"
-#include "tools/verbs/inspect.h"
-#include "tools/verbs/new_node.h"
-#include "tools/verbs/node_types.h"
-#include "tools/verbs/run.h"
-#include "tools/verbs/shell.h"
-#include "tools/verbs/view.h"
-#include "tools/verbs/wedge.h"
+#include "tools/verbs/verbs.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -30,101 +18,6 @@
 namespace fluidcarve {
 
 namespace {
-
-Verb::Work farm_verb(CLI::App& verb, Program& program) {
-    const auto farm_arguments = std::make_shared<FarmArguments>();
-    const auto run_arguments = std::make_shared<RunArguments>();
-    farm_arguments->declare(verb, program.pipeline, *run_arguments);
-    return [=, &program] {
-        return farm(*farm_arguments, program.pipeline, *run_arguments, program.words,
-                    program.registry);
-    };
-}
-
-Verb::Work view_verb(CLI::App& verb, Program& program) {
-    const auto arguments = std::make_shared<ViewArguments>();
-    program.pipeline.declare(verb);
-    arguments->declare(verb);
-    return [=, &program] { return view_pipeline(program.pipeline, *arguments, program.registry); };
-}
-
-Verb::Work wedge_verb(CLI::App& verb, Program& program) {
-    const auto arguments = std::make_shared<WedgeArguments>();
-    program.pipeline.declare(verb);
-    arguments->declare(verb);
-    return [=, &program] { return wedge_pipeline(program.pipeline, *arguments, program.registry); };
-}
-
-Verb::Work carve_verb(CLI::App& verb, Program& program) {
-    const auto arguments = std::make_shared<CarveArguments>();
-    arguments->declare(verb);
-    return [=, &program] { return carve_files(*arguments, program.registry); };
-}
-
-Verb::Work init_verb(CLI::App& verb, Program& program) {
-    const auto arguments = std::make_shared<InitArguments>();
-    arguments->declare(verb);
-    return [=, &program] { return init_pipeline(*arguments, program.registry); };
-}
-
-Verb::Work new_node_verb(CLI::App& verb, Program& program) {
-    const auto wanted = std::make_shared<NewNode>();
-    verb.add_option("name", wanted->name,
-                    "Name of the node type: FAMILY.NAME, such as acme.sparkle; choose a family of "
-                    "your own")
-        ->required()
-        ->type_name("NAME");
-    auto* const solver =
-        verb.add_flag("--solver", wanted->solver, "Write a solver instead of an energy");
-    verb.add_flag("--python", wanted->python,
-                  "Write an energy as a script of Python, with its test and a pipeline, instead of "
-                  "a plugin")
-        ->excludes(solver);
-    verb.add_option("--folder", wanted->folder, "The folder to write (default: ./FAMILY_NAME)")
-        ->type_name("DIR");
-    return [=, &program] { return write_new_node(*wanted, program.registry); };
-}
-
-Verb::Work inspect_verb(CLI::App& verb, Program&) {
-    const auto files = std::make_shared<std::vector<std::string>>();
-    const auto json = std::make_shared<bool>(false);
-    verb.add_option("files", *files, "Data files, sequences such as smoke.####.vdb, and folders")
-        ->required()
-        ->type_name("FILE");
-    verb.add_flag("--json", *json, "Print as JSON");
-    return [=] { return inspect_files(*files, *json, half_of_memory()); };
-}
-
-Verb::Work explain_verb(CLI::App& verb, Program&) {
-    const auto file = std::make_shared<std::string>();
-    const auto json = std::make_shared<bool>(false);
-    verb.add_option("file", *file, "A file that a run wrote (.vdb, .png, .exr, .jpg, .ply, .obj)")
-        ->required()
-        ->type_name("FILE");
-    verb.add_flag("--json", *json, "Print as JSON");
-    return [=] { return explain_file(*file, *json, half_of_memory()); };
-}
-
-Verb::Work diff_verb(CLI::App& verb, Program&) {
-    const auto arguments = std::make_shared<DiffArguments>();
-    const auto json = std::make_shared<bool>(false);
-    arguments->declare(verb);
-    verb.add_flag("--json", *json, "Print as JSON");
-    return [=] { return diff_files(arguments->read(*json)); };
-}
-
-Verb::Work man_verb(CLI::App&, Program& program) {
-    return [&program] { return print(man_page(program.app, FLUIDCARVE_VERSION)), exit_code::done; };
-}
-
-Verb::Work completion_verb(CLI::App& verb, Program& program) {
-    const auto shell = std::make_shared<std::string>();
-    verb.add_option("shell", *shell, "The shell")
-        ->required()
-        ->check(CLI::IsMember({"bash", "zsh", "fish"}))
-        ->type_name("SHELL");
-    return [=, &program] { return print(completion(program.app, *shell)), exit_code::done; };
-}
 
 /// In the order of the help.
 constexpr Verb all_verbs[] = {
@@ -221,7 +114,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     try {
         Confinement::confine_program(pipeline.folders);
     } catch (const Failure& failure) {
-        return complain(fmt::format("{}\n", failure.what())), exit_code::usage;
+        return end_with(failure.what());
     }
     return works.at(verb)();
 }

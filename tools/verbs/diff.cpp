@@ -1,12 +1,13 @@
-#include "tools/verbs/diff.h"
+#include "tools/verbs/verbs.h"
 
 #include "carve/base/failure.h"
 #include "carve/base/frame_set.h"
 #include "carve/base/one_line.h"
 #include "carve/base/words.h"
 #include "runtime/tell/exit_codes.h"
+#include "tools/compare/comparison.h"
+#include "tools/compare/file_comparer.h"
 #include "tools/compare/files.h"
-#include "tools/verbs/comparison.h"
 #include "tools/verbs/print.h"
 
 #include <tbb/global_control.h>
@@ -20,14 +21,41 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <iterator>
 #include <new>
+#include <optional>
 #include <stdexcept>
+#include <string>
 
 namespace fluidcarve {
 namespace {
+
+/// What `diff` is asked for.
+struct DiffRequest {
+    std::string a, b;                   ///< files, paths with frame tokens, or folders
+    std::optional<std::string> frames;  ///< `-f`: compare only these; nothing: all that are there
+    Tolerance tolerance;
+    double fail_percent = 0;  ///< share of a part's values in a frame that may differ by more than
+                              ///< the tolerance, percent
+    std::string picture;      ///< PNG of the greatest difference; empty: none
+    int threads = 1;
+    std::uint64_t memory = 0;  ///< bytes that a grid may take
+    bool json = false;
+};
+
+/// Arguments of the verb `diff`.
+struct DiffArguments {
+    std::string frames;
+    DiffRequest request;
+    const CLI::Option* frames_option = nullptr;
+
+    void declare(CLI::App& verb);
+
+    DiffRequest read(bool json);
+};
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
@@ -93,7 +121,7 @@ private:
                 "--picture writes PNG: name a file that ends in .png, not {}", request_.picture));
         if (is_folder(request_.a) != is_folder(request_.b))
             throw WrongUse(fmt::format(
-                "{} is a folder, but {} is none; name two folders, two sequences or two files",
+                "{} is a folder, but {} is not; name two folders, two sequences or two files",
                 is_folder(request_.a) ? request_.a : request_.b,
                 is_folder(request_.a) ? request_.b : request_.a));
         if (!request_.frames) return;
@@ -283,8 +311,6 @@ private:
     std::vector<std::string> faults_;
 };
 
-}  // namespace
-
 void DiffArguments::declare(CLI::App& verb) {
     request.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     const auto number = [&](const char* name, double& value, const char* doc) {
@@ -322,16 +348,29 @@ DiffRequest DiffArguments::read(bool json) {
     return request;
 }
 
+/// The verb `diff`: compares two sequences frame by frame, several frames at once, each part of
+/// their files by its name. Prints what differs to stdout, and errors to stderr. The output does
+/// not depend on the number of threads.
+/// @return an exit code: exit_code::done, exit_code::differs, or that of an error
 int diff_files(const DiffRequest& request) {
     try {
         return Diff(request).run();
     } catch (const WrongUse& fault) {
-        complain(fmt::format("{}\n", fault.what()));
-        return exit_code::usage;
+        return end_with(fault.what());
     } catch (const Failure& failure) {
-        complain(fmt::format("failed: {}\n", one_line(failure.what())));
-        return exit_code::of(failure);
+        return end_with(fmt::format("failed: {}", one_line(failure.what())),
+                        exit_code::of(failure));
     }
+}
+
+}  // namespace
+
+Verb::Work diff_verb(CLI::App& verb, Program&) {
+    const auto arguments = std::make_shared<DiffArguments>();
+    const auto json = std::make_shared<bool>(false);
+    arguments->declare(verb);
+    verb.add_flag("--json", *json, "Print as JSON");
+    return [=] { return diff_files(arguments->read(*json)); };
 }
 
 }  // namespace fluidcarve

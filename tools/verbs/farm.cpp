@@ -1,14 +1,16 @@
-#include "tools/verbs/farm.h"
+#include "tools/verbs/verbs.h"
 
 #include "carve/base/words.h"
+#include "graph/provenance.h"
 #include "graph/text/shell_word.h"
-#include "graph/views/provenance.h"
+#include "runtime/jobs/engine.h"
 #include "runtime/jobs/engines.h"
 #include "runtime/jobs/job_status.h"
 #include "runtime/jobs/plan_farm.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/tell/terminal.h"
 #include "runtime/tell/uncaught.h"
+#include "tools/verbs/arguments.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -21,9 +23,28 @@
 #include <cstdlib>
 #include <filesystem>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace fluidcarve {
 namespace {
+
+/// Arguments of the verb `farm`, besides those of `run`.
+struct FarmArguments {
+    std::string engine;
+    std::size_t chunk = 0;
+    double minutes = 0;
+    std::string prefix;
+    bool dry_run = false;
+    bool json = false;
+    bool no_chunk_extension = false;
+    FarmRequest request;
+    const CLI::Option* chunk_option = nullptr;
+    const CLI::Option* minutes_option = nullptr;
+    std::vector<const CLI::Option*> engine_options;  ///< those that only some engines take
+
+    void declare(CLI::App& verb, PipelineArguments& pipeline, RunArguments& run);
+};
 
 namespace fs = std::filesystem;
 
@@ -151,8 +172,6 @@ int hand_over(const FarmJob& job, const FarmEngine& engine, const FarmArguments&
     return engine.farm(job, asked);
 }
 
-}  // namespace
-
 void FarmArguments::declare(CLI::App& verb, PipelineArguments& pipeline, RunArguments& run) {
     std::string engines;
     for (const auto& each : farm_engines())
@@ -190,23 +209,25 @@ void FarmArguments::declare(CLI::App& verb, PipelineArguments& pipeline, RunArgu
     engine_options = {processes, output, submit, no_extension};
 }
 
+/// The verb `farm`: makes a job of a run and hands it to an engine.
+/// @param command  the words of the command line
+/// @return an exit code
 int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_arguments,
          RunArguments& run, const std::vector<std::string>& command, Registry& registry) {
-    if (const auto fault = fault_of(arguments, run); !fault.empty())
-        return complain(fault + "\n"), exit_code::usage;
+    if (const auto fault = fault_of(arguments, run); !fault.empty()) return end_with(fault);
     const auto& engine = *find_engine(arguments.engine);
     Problems problems;
     const auto document =
         read_document(pipeline_arguments.path, pipeline_arguments.settings, problems);
     auto pipeline = pipeline_arguments.build(document, registry, problems);
-    if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
+    if (!problems.empty()) return end_with(problems);
     state_provenance(pipeline, document, registry);
     const Interrupt interrupt(std::string(), grace_ms);
     fill_in(run, engine, arguments.request.processes);
     auto request = run.read(pipeline);
     if (!request) return exit_code::usage;
     if (const auto fault = place_work_folder(*request, engine); !fault.empty())
-        return complain(fault + "\n"), exit_code::usage;
+        return end_with(fault);
     run.request.options.work_folder = request->options.work_folder;
     FarmCommand shared{environment_of(document, pipeline),
                        CLI::detail::split_up(arguments.prefix),
@@ -226,6 +247,18 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
     } catch (const Failure& failure) {
         return tell(fmt::format("failed: {}", failure.what())), exit_code::of(failure);
     }
+}
+
+}  // namespace
+
+Verb::Work farm_verb(CLI::App& verb, Program& program) {
+    const auto farm_arguments = std::make_shared<FarmArguments>();
+    const auto run_arguments = std::make_shared<RunArguments>();
+    farm_arguments->declare(verb, program.pipeline, *run_arguments);
+    return [=, &program] {
+        return farm(*farm_arguments, program.pipeline, *run_arguments, program.words,
+                    program.registry);
+    };
 }
 
 }  // namespace fluidcarve

@@ -1,24 +1,27 @@
-#include "tools/verbs/inspect.h"
+#include "tools/verbs/verbs.h"
 
 #include "carve/base/frame_set.h"
 #include "carve/base/one_line.h"
 #include "carve/base/words.h"
 #include "runtime/run/run.h"
 #include "tools/inspect/inspectors.h"
+#include "tools/inspect/summary.h"
+#include "tools/reading/read_in_child.h"
+#include "tools/reading/sequences.h"
 #include "tools/verbs/print.h"
-#include "tools/verbs/read_confined.h"
-#include "tools/verbs/sequences.h"
-#include "tools/verbs/summary.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <map>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace fluidcarve {
 namespace {
@@ -39,7 +42,7 @@ public:
         for (std::size_t begin = 0; begin < paths.size(); begin += at_once) {
             const auto some =
                 std::span(paths).subspan(begin, std::min(at_once, paths.size() - begin));
-            auto outcomes = read_confined(some, inspector.look, memory_);
+            auto outcomes = read_in_child(some, inspector.look, memory_);
             for (std::size_t n = 0; n < some.size(); ++n) {
                 const int frame = sequence.frames.frames()[begin + n];
                 auto& [facts, fault] = outcomes[n];
@@ -174,8 +177,12 @@ private:
     std::vector<std::string> files_;
 };
 
-}  // namespace
-
+/// The verb `inspect`: reads files in child processes, prints their content to stdout, a sequence
+/// as one, and errors to stderr.
+/// @param paths   files, paths with frame tokens, and folders, of which the files right in them are
+///   looked at
+/// @param memory  limit of the memory for reading files, bytes
+/// @return an exit code
 int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_t memory) {
     std::error_code ignored;
     for (const auto& path : paths)
@@ -191,13 +198,24 @@ int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_
         try {
             in_order.take(path);
         } catch (const Failure& failure) {
-            if (failure.kind != Failure::Kind::input)
-                return complain(fmt::format("{}\n", failure.what())), exit_code::usage;
+            if (failure.kind != Failure::Kind::input) return end_with(failure.what());
             inspection.fail(failure.what());
         }
     }
     in_order.look_at_files();
     return inspection.finish();
+}
+
+}  // namespace
+
+Verb::Work inspect_verb(CLI::App& verb, Program&) {
+    const auto files = std::make_shared<std::vector<std::string>>();
+    const auto json = std::make_shared<bool>(false);
+    verb.add_option("files", *files, "Data files, sequences such as smoke.####.vdb, and folders")
+        ->required()
+        ->type_name("FILE");
+    verb.add_flag("--json", *json, "Print as JSON");
+    return [=] { return inspect_files(*files, *json, half_of_memory()); };
 }
 
 }  // namespace fluidcarve

@@ -1,7 +1,9 @@
-#include "tools/verbs/new_node.h"
+#include "tools/verbs/verbs.h"
 
+#include "graph/types/registry.h"
 #include "runtime/run/run.h"
 #include "tools/verbs/arguments.h"
+#include "tools/verbs/new_node_texts.h"
 
 #include <fmt/format.h>
 
@@ -9,10 +11,22 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace fluidcarve {
 namespace {
+
+/// Arguments of the verb `new-node`.
+struct NewNode {
+    std::string name;     ///< name of the node type: `acme.sparkle`
+    bool solver = false;  ///< true: a solver; false: an energy
+    /// True: an energy by a script of Python, for energy.python; false: a plugin.
+    bool python = false;
+    std::string folder;  ///< empty: `FAMILY_NAME` in the current folder
+};
 
 /// Whether a name has the form FAMILY.NAME: both parts begin with a letter, and hold small letters,
 /// digits and single underscores.
@@ -77,8 +91,6 @@ std::string filled(std::string_view text,
     return out;
 }
 
-int end_with(const std::string& message, int code) { return complain(message + "\n"), code; }
-
 /// Makes a folder, unless an empty one exists.
 /// @return an exit code; what is wrong is printed
 int make_folder(const fs::path& folder) {
@@ -117,11 +129,11 @@ std::vector<std::pair<std::string, std::string>> files_of(const NewNode& wanted,
             {"README.md", "README.md"}};
 }
 
-}  // namespace
-
+/// Writes a plugin with one node type, ready to build: source, test, build files, and a pipeline
+/// that uses it; or a script, its test and its pipeline. Never overwrites files.
+/// @return an exit code
 int write_new_node(const NewNode& wanted, const Registry& registry) {
-    if (const auto fault = fault_of(wanted.name, registry); !fault.empty())
-        return end_with(fault, exit_code::usage);
+    if (const auto fault = fault_of(wanted.name, registry); !fault.empty()) return end_with(fault);
     const auto dot = wanted.name.find('.');
     const auto family = wanted.name.substr(0, dot), name = wanted.name.substr(dot + 1),
                library = family + "_" + name;
@@ -151,6 +163,26 @@ int write_new_node(const NewNode& wanted, const Registry& registry) {
                   folder.string(), kind_of(wanted), wanted.name);
     print(told);
     return exit_code::done;
+}
+
+}  // namespace
+
+Verb::Work new_node_verb(CLI::App& verb, Program& program) {
+    const auto wanted = std::make_shared<NewNode>();
+    verb.add_option("name", wanted->name,
+                    "Name of the node type: FAMILY.NAME, such as acme.sparkle; choose a family of "
+                    "your own")
+        ->required()
+        ->type_name("NAME");
+    auto* const solver =
+        verb.add_flag("--solver", wanted->solver, "Write a solver instead of an energy");
+    verb.add_flag("--python", wanted->python,
+                  "Write an energy as a script of Python, with its test and a pipeline, instead of "
+                  "a plugin")
+        ->excludes(solver);
+    verb.add_option("--folder", wanted->folder, "The folder to write (default: ./FAMILY_NAME)")
+        ->type_name("DIR");
+    return [=, &program] { return write_new_node(*wanted, program.registry); };
 }
 
 }  // namespace fluidcarve

@@ -1,10 +1,11 @@
-#include "tools/verbs/node_types.h"
+#include "tools/verbs/verbs.h"
 
 #include "carve/base/words.h"
 #include "graph/types/load_plugin.h"
 #include "graph/views/describe.h"
 #include "graph/views/schema.h"
 #include "runtime/tell/exit_codes.h"
+#include "tools/verbs/verb.h"
 
 #include <fmt/format.h>
 

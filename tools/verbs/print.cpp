@@ -24,4 +24,7 @@ void complain(const std::string& text) {
     put(text, stderr);
 }
 
+int end_with(const std::string& message, int code) { return complain(message + "\n"), code; }
+int end_with(const Problems& problems) { return complain(to_text(problems)), exit_code::usage; }
+
 }  // namespace fluidcarve

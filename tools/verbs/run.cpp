@@ -1,13 +1,14 @@
 #include "tools/verbs/run.h"
 
 #include "carve/base/words.h"
+#include "graph/provenance.h"
 #include "graph/views/drawing.h"
 #include "graph/views/file_places.h"
-#include "graph/views/provenance.h"
 #include "graph/views/value_sources.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/run/run.h"
 #include "runtime/tell/outcome.h"
+#include "tools/verbs/verbs.h"
 
 #include <fmt/format.h>
 
@@ -33,7 +34,7 @@ int run(const PipelineArguments& arguments, RunArguments& run_arguments, Registr
     Problems problems;
     const auto document = read_document(arguments.path, arguments.settings, problems);
     auto pipeline = arguments.build(document, registry, problems);
-    if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
+    if (!problems.empty()) return end_with(problems);
     return run_built(std::move(pipeline), document, run_arguments, registry);
 }
 

@@ -3,7 +3,6 @@
 #include "graph/document.h"
 #include "graph/pipeline.h"
 #include "tools/verbs/arguments.h"
-#include "tools/verbs/verb.h"
 
 namespace fluidcarve {
 
@@ -12,11 +11,5 @@ namespace fluidcarve {
 /// @return the exit code
 int run_built(Pipeline pipeline, const Document& document, RunArguments& arguments,
               const Registry& registry);
-
-/// The verbs `run`, `check`, `plan` and `graph`, which take a pipeline.
-Verb::Work run_verb(CLI::App& verb, Program& program);
-Verb::Work check_verb(CLI::App& verb, Program& program);
-Verb::Work plan_verb(CLI::App& verb, Program& program);
-Verb::Work graph_verb(CLI::App& verb, Program& program);
 
 }  // namespace fluidcarve

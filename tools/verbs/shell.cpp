@@ -1,4 +1,4 @@
-#include "tools/verbs/shell.h"
+#include "tools/verbs/verbs.h"
 
 #include "runtime/tell/exit_codes.h"
 
@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include <sstream>
+#include <string>
 #include <vector>
 
 namespace fluidcarve {
@@ -162,8 +163,7 @@ std::string fish_completion(const CLI::App& app) {
            "| string match -r \"[^ ]+\")'\n";
 }
 
-}  // namespace
-
+/// The manual page of a program with verbs, in roff, generated from its command line.
 std::string man_page(const CLI::App& app, const std::string& version) {
     std::string out = fmt::format(
         ".TH FLUIDCARVE 1 \"\" \"fluidcarve {}\"\n.SH NAME\nfluidcarve \\- change the size of a "
@@ -195,9 +195,27 @@ std::string man_page(const CLI::App& app, const std::string& version) {
            "\n";
 }
 
+/// A script that completes verbs, options and their choices, and file names for all other
+/// arguments.
+/// @param shell  "bash", "zsh" or "fish"
 std::string completion(const CLI::App& app, const std::string& shell) {
     if (shell == "fish") return fish_completion(app);
     return shell == "zsh" ? zsh_completion(app) : bash_completion(app);
+}
+
+}  // namespace
+
+Verb::Work man_verb(CLI::App&, Program& program) {
+    return [&program] { return print(man_page(program.app, FLUIDCARVE_VERSION)), exit_code::done; };
+}
+
+Verb::Work completion_verb(CLI::App& verb, Program& program) {
+    const auto shell = std::make_shared<std::string>();
+    verb.add_option("shell", *shell, "The shell")
+        ->required()
+        ->check(CLI::IsMember({"bash", "zsh", "fish"}))
+        ->type_name("SHELL");
+    return [=, &program] { return print(completion(program.app, *shell)), exit_code::done; };
 }
 
 }  // namespace fluidcarve

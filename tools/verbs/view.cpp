@@ -1,11 +1,12 @@
 #include "tools/verbs/view.h"
 
-#include "graph/views/provenance.h"
+#include "graph/provenance.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/run/preparation.h"
 #include "runtime/tell/outcome.h"
 #include "runtime/tell/report.h"
 #include "runtime/tell/uncaught.h"
+#include "tools/verbs/verbs.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -14,6 +15,7 @@
 #include <filesystem>
 #include <initializer_list>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -68,10 +70,7 @@ void add(Value& node, const std::string& name, const Value* value) {
 std::string setting_of(const Document& document, const Value::Field& solver) {
     const auto* const count = field(&solver, "count");
     for (const auto& param : document.params.fields)
-        if (count && param.value.mark.source == count->mark.source &&
-            param.value.mark.line == count->mark.line &&
-            param.value.mark.column == count->mark.column)
-            return param.name;
+        if (count && param.value.mark == count->mark) return param.name;
     return solver.name + ".count";
 }
 
@@ -210,31 +209,7 @@ bool must_solve(const Pipeline& pipeline, const Registry& registry, const RunReq
     return false;
 }
 
-/// Runs what a page needs, and tells where it lies. @return an exit code
-int make_page(const Pipeline& pipeline, const Registry& registry, const RunRequest& request,
-              const std::string& node, bool left_out) {
-    const Interrupt interrupt(request.quiet ? std::string()
-                                            : interrupted_text(request.options.cache));
-    const int code = run_pipeline(pipeline, registry, request, [&] { return interrupt.asked(); });
-    if (code != exit_code::done) return code;
-    if (left_out && !request.quiet)
-        complain("the seams are not found yet: the page shows where; --solve finds them\n");
-    print(page_path(pipeline, node) + "\n");
-    return exit_code::done;
-}
-
 }  // namespace
-
-void ViewArguments::declare(CLI::App& verb) {
-    verb.add_option("-o,--output", path,
-                    "The page (default: that of the pipeline's preview.page, else out/NAME.html "
-                    "for NAME.yaml)")
-        ->type_name("FILE.html");
-    verb.add_flag("--solve", solve,
-                  "Find the seams if no earlier run has; without it the page then shows where they "
-                  "are to be found");
-    run.declare_limits(verb);
-}
 
 std::string add_page(Document& document, std::string& name) {
     for (const auto& node : document.nodes.fields)
@@ -267,14 +242,53 @@ std::string page_path(const Pipeline& pipeline, const std::string& node) {
                : spec->path(page.params.get()).at(pipeline.frames.frames().front());
 }
 
+namespace {
+
+/// Arguments of the verb `view`.
+struct ViewArguments {
+    std::string path;    ///< of the page; empty: that of the pipeline's preview.page, or
+                         ///< out/NAME.html for a pipeline NAME.yaml
+    bool solve = false;  ///< find seams that are not in the work folder
+    RunArguments run;
+
+    void declare(CLI::App& verb);
+};
+
+void ViewArguments::declare(CLI::App& verb) {
+    verb.add_option("-o,--output", path,
+                    "The page (default: that of the pipeline's preview.page, else out/NAME.html "
+                    "for NAME.yaml)")
+        ->type_name("FILE.html");
+    verb.add_flag("--solve", solve,
+                  "Find the seams if no earlier run has; without it the page then shows where they "
+                  "are to be found");
+    run.declare_limits(verb);
+}
+
+/// Runs what a page needs, and tells where it lies. @return an exit code
+int make_page(const Pipeline& pipeline, const Registry& registry, const RunRequest& request,
+              const std::string& node, bool left_out) {
+    const Interrupt interrupt(request.quiet ? std::string()
+                                            : interrupted_text(request.options.cache));
+    const int code = run_pipeline(pipeline, registry, request, [&] { return interrupt.asked(); });
+    if (code != exit_code::done) return code;
+    if (left_out && !request.quiet)
+        complain("the seams are not found yet: the page shows where; --solve finds them\n");
+    print(page_path(pipeline, node) + "\n");
+    return exit_code::done;
+}
+
+/// The verb `view`: writes a page of a pipeline, and prints its path. Runs what the pipeline's
+/// first preview.page needs; if it has none, one that shows what its preview.sheet or remap.grids
+/// does. Without --solve, seams that no earlier run found are left out.
+/// @return an exit code
 int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Registry& registry) {
     Problems problems;
     auto document = read_document(arguments.path, arguments.settings, problems);
     auto pipeline = arguments.build(document, registry, problems);
-    if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
+    if (!problems.empty()) return end_with(problems);
     std::string name;
-    if (const auto fault = add_page(document, name); !fault.empty())
-        return complain(fault + "\n"), exit_code::usage;
+    if (const auto fault = add_page(document, name); !fault.empty()) return end_with(fault);
     if (!view.path.empty()) set_page_path(document, name, view.path);
     if (view.solve) take_what_is_there(document, registry);
     view.run.request.target.to = name;
@@ -296,13 +310,22 @@ int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Regis
         left_out = !view.solve && field(document.nodes.find(name), "seams") &&
                    must_solve(pipeline, registry, *request);
     } catch (const Failure& failure) {
-        return complain(fmt::format("failed: {}\n", failure.what())), exit_code::of(failure);
+        return end_with(fmt::format("failed: {}", failure.what()), exit_code::of(failure));
     }
     if (left_out) {
         leave_out_seams(document.nodes.find(name)->value);
         if (!build()) return exit_code::usage;
     }
     return make_page(pipeline, registry, *request, name, left_out);
+}
+
+}  // namespace
+
+Verb::Work view_verb(CLI::App& verb, Program& program) {
+    const auto arguments = std::make_shared<ViewArguments>();
+    program.pipeline.declare(verb);
+    arguments->declare(verb);
+    return [=, &program] { return view_pipeline(program.pipeline, *arguments, program.registry); };
 }
 
 }  // namespace fluidcarve

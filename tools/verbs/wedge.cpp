@@ -1,17 +1,19 @@
-#include "tools/verbs/wedge.h"
+#include "tools/verbs/verbs.h"
 
 #include "formats/file/input_file.h"
 #include "formats/file/output_file.h"
 #include "formats/file/path_pattern.h"
+#include "graph/provenance.h"
 #include "graph/text/yaml_text.h"
-#include "graph/views/provenance.h"
 #include "graph/views/value_sources.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/run/run.h"
 #include "runtime/tell/outcome.h"
 #include "tools/draft/draft.h"
-#include "tools/verbs/combinations.h"
+#include "tools/draft/draft_preview.h"
+#include "tools/verbs/arguments.h"
 #include "tools/verbs/view.h"
+#include "tools/wedge/combinations.h"
 #include "tools/wedge/contact_sheet.h"
 #include "tools/wedge/joined_page.h"
 #include "tools/wedge/wedge_page.h"
@@ -28,10 +30,21 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace fluidcarve {
 namespace {
+
+/// Arguments of the verb `wedge`, beside those of the pipeline.
+struct WedgeArguments {
+    std::vector<std::string> over;  ///< of --over: `TARGET=VALUE,VALUE`
+    std::string out = "wedge";      ///< the folder of all results
+    RunArguments run;
+
+    void declare(CLI::App& verb);
+};
 
 namespace fs = std::filesystem;
 
@@ -168,12 +181,9 @@ std::vector<WedgeRun> prepare(const PipelineArguments& arguments, const std::vec
     std::vector<WedgeRun> out;
     PluginFiles plugins;
     for (const auto& combination : combinations_of(varied)) {
-        WedgeRun run{
-            combination, (fs::path(folder) / folder_name(combination, out.size() + 1)).string(),
-            {},          {},
-            {},          {},
-            {},          exit_code::done,
-            {}};
+        WedgeRun run;
+        run.combination = combination;
+        run.folder = (fs::path(folder) / folder_name(combination, out.size() + 1)).string();
         auto settings = arguments.settings;
         for (const auto& [target, value] : combination) settings.push_back(target + "=" + value);
         Problems found;
@@ -258,7 +268,7 @@ bool execute(WedgeRun& run, RunArguments& arguments, const Registry& registry,
 /// @return false if the options are wrong, or the user stops the wedge
 bool execute_all(std::vector<WedgeRun>& runs, RunArguments& arguments, const Registry& registry,
                  const Interrupt& interrupt, int& code) {
-    // What finds most comes first: the others take their part of it from the work folder.
+    // The run with most seams comes first: the others take theirs from the work folder.
     std::vector<WedgeRun*> order;
     for (auto& run : runs) order.push_back(&run);
     std::ranges::stable_sort(order, std::ranges::greater(),
@@ -332,8 +342,6 @@ void show(const std::string& name, const std::string& folder, const std::vector<
                       view.empty() ? "" : fmt::format(", {}/{}", folder, view), fault));
 }
 
-}  // namespace
-
 void WedgeArguments::declare(CLI::App& verb) {
     verb.add_option("--over", over,
                     "A param, a node's field or the frames, and the values to run it with; may be "
@@ -350,15 +358,14 @@ void WedgeArguments::declare(CLI::App& verb) {
     run.declare(verb);
 }
 
+/// The verb `wedge`: runs a pipeline with all combinations of values, each into a folder of its
+/// own, and shows the results side by side.
+/// @return an exit code: the first that is not 0, if a run failed
 int wedge_pipeline(const PipelineArguments& pipeline, WedgeArguments& arguments,
                    Registry& registry) {
-    const auto wrong = [](const std::string& message) {
-        complain(message + "\n");
-        return exit_code::usage;
-    };
     const auto& own = arguments.run.request;
     if (!own.report_path.empty() || !own.html_path.empty() || !own.profile_path.empty())
-        return wrong(
+        return end_with(
             fmt::format("--report, --html and --profile name one file, and a wedge has many runs: "
                         "each writes its report into its folder in {}",
                         arguments.out));
@@ -366,11 +373,11 @@ int wedge_pipeline(const PipelineArguments& pipeline, WedgeArguments& arguments,
     try {
         varied = read_varied(arguments.over);
     } catch (const Failure& failure) {
-        return wrong(failure.what());
+        return end_with(failure.what());
     }
     Problems problems;
     auto runs = prepare(pipeline, varied, arguments.out, registry, problems);
-    if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
+    if (!problems.empty()) return end_with(problems);
     const Interrupt interrupt(own.quiet ? std::string()
                                         : interrupted_text(!arguments.run.no_cache));
     int code = exit_code::done;
@@ -379,10 +386,19 @@ int wedge_pipeline(const PipelineArguments& pipeline, WedgeArguments& arguments,
     try {
         show(pipeline.path, arguments.out, varied, runs);
     } catch (const Failure& failure) {
-        return wrong(fmt::format("failed: {}", failure.what())),
-               code == exit_code::done ? exit_code::node_failed : code;
+        return end_with(fmt::format("failed: {}", failure.what()),
+                        code == exit_code::done ? exit_code::node_failed : code);
     }
     return code;
+}
+
+}  // namespace
+
+Verb::Work wedge_verb(CLI::App& verb, Program& program) {
+    const auto arguments = std::make_shared<WedgeArguments>();
+    program.pipeline.declare(verb);
+    arguments->declare(verb);
+    return [=, &program] { return wedge_pipeline(program.pipeline, *arguments, program.registry); };
 }
 
 }  // namespace fluidcarve

@@ -94,7 +94,7 @@ private:
     }
 
     void draw(Canvas& canvas, std::size_t n, double x, double y, std::size_t row) const {
-        const auto lines = [&](const std::vector<std::string>& texts, const Canvas::Type& type,
+        const auto lines = [&](const std::vector<std::string>& texts, const Canvas::TextStyle& type,
                                double from, double step) {
             for (const auto& text : texts)
                 canvas.text(x, from += step, canvas.fitting(text, type, width_), type);

@@ -97,7 +97,7 @@ private:
         const int axis = step.axis();
         const auto first = alignment_.vertex(voxel);
         const bool carved = step.has_column(first);
-        const auto bounds = carved ? step.bounds(first) : std::span<const std::uint16_t>();
+        const auto bounds = carved ? step.first_displaced(first) : std::span<const std::uint16_t>();
         auto passed = CarveStep::passed(first[axis], bounds);
 
         const int end = first[axis] + 8;

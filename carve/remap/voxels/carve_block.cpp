@@ -53,7 +53,7 @@ void CarveBlock::Table::fill(const CarveStep& step) {
     high = std::numeric_limits<int>::min();
     const int end = first[0] + size[0];
     each_column(step, [&](int lateral, int k) {
-        const auto bounds = step.bounds(lateral, k);
+        const auto bounds = step.first_displaced(lateral, k);
         auto passed = CarveStep::passed(first[0], bounds);
         if (passed == 0 ? end <= bounds.front()
                         : passed == bounds.size() && first[0] > bounds.back()) {

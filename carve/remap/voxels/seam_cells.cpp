@@ -52,7 +52,7 @@ std::optional<int> common_displacement(const CarveStep& step, const CoordBBox& v
         for (int v = vertices.min()[step.lateral_axis()]; v <= vertices.max()[step.lateral_axis()];
              ++v) {
             const auto [lateral, slice] = column_at(step, v, w);
-            const auto bounds = step.bounds(lateral, slice);
+            const auto bounds = step.first_displaced(lateral, slice);
             const auto passed = CarveStep::passed(first, bounds);
             const int displacement = step.displacement(first, passed, bounds);
             if (out.value_or(displacement) != displacement ||

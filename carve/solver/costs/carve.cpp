@@ -39,7 +39,7 @@ std::uint16_t mixed_field(std::uint16_t a, std::uint16_t b, float part) {
 /// entry `from`, mixed with the share `part` of the next.
 template <class Visit>
 void each_seam_source(const CarveStep& step, int lateral, int slice, const Visit& visit) {
-    const auto bounds = step.bounds(lateral, slice);
+    const auto bounds = step.first_displaced(lateral, slice);
     std::size_t passed = 0;
     for (int entry = step.start(); entry <= step.last(); ++entry) {
         while (passed < bounds.size() && bounds[passed] <= entry) ++passed;

@@ -176,116 +176,149 @@ private:
         active_.push_back(spot);
     }
 
+    /// A node while its excess is pushed on.
+    struct Excess {
+        std::uint32_t column;
+        std::uint16_t entry;
+        std::uint32_t node;
+        std::int64_t amount;
+        Label label;
+        Label nearest;  ///< the least distance among nodes at the ends of arcs with capacity left
+    };
+
+    /// A neighbouring column: its number, the direction to it, and to which region it belongs, as
+    /// in for_each_side().
+    struct Side {
+        std::uint32_t column;
+        unsigned direction;
+        int out;
+    };
+
     /// Pushes a node's excess on to nodes nearer to the sink, and raises the node's distance if
     /// some is left.
     /// @return number of visits of the node
     [[gnu::flatten]] int discharge(const Spot& spot) {
-        const auto c = spot.column;
-        const int entry = spot.entry;
-        const auto& column = graph_.columns[c];
-        const auto own = Residual::node(column, entry);
+        const auto own = Residual::node(graph_.columns[spot.column], spot.entry);
         auto& tag = graph_.tags[own];
         auto& arcs = graph_.arcs[own];
-        std::int64_t excess = arcs.excess;
-        auto label = tag.label();
-        if (excess == 0 || label == far) return 1;
-        const auto give = [&](std::uint32_t n, std::size_t to, std::uint16_t at, int out,
-                              std::int64_t amount) {
-            auto& other = graph_.tags[n];
-            if (!other.excess())
-                (out < 0 ? next_ : sent_[static_cast<std::size_t>(out)])
-                    .push_back({static_cast<std::uint32_t>(to), at});
-            other.set_excess(true);
-            graph_.arcs[n].excess += amount;
-            excess -= amount;
-        };
+        Excess from{spot.column, spot.entry, own, arcs.excess, tag.label(), far};
+        if (from.amount == 0 || from.label == far) return 1;
         for (int steps = 1;; ++steps) {
-            // The least distance among nodes at the ends of arcs with residual capacity.
-            auto nearest = far;
-            if (arcs.up > 0) {
-                const bool last = entry == column.last;
-                const Label above = last ? 0 : graph_.tags[own + 1].label();
-                if (above + 1 == label) {
-                    const auto amount =
-                        arcs.up == endless ? excess : std::min<std::int64_t>(excess, arcs.up);
-                    if (arcs.up != endless) arcs.up -= static_cast<std::int32_t>(amount);
-                    if (last) {
-                        sunk_ += amount;
-                        excess -= amount;
-                    } else {
-                        give(own + 1, c, higher(entry), -1, amount);
-                    }
-                }
-                if (arcs.up > 0) nearest = above;
-            }
-            if (excess > 0)
-                for_each_side(c, [&](std::size_t other, unsigned d, int out) {
-                    if (excess == 0) return;
-                    const auto& beside = graph_.columns[other];
-                    if (const auto above = Residual::node(beside, entry + 1);
-                        above != none && graph_.tags[above].lowered(Columns::back(d))) {
-                        const auto at = graph_.tags[above].label();
-                        // The tag tells whether capacity is left. The amount is far away in
-                        // memory, so it is read only to push.
-                        bool stays = true;
-                        if (at + 1 == label) {
-                            auto& lowered = graph_.arcs[above].lowered[Columns::back(d)];
-                            const auto amount = std::min<std::int64_t>(excess, lowered);
-                            lowered -= static_cast<std::int32_t>(amount);
-                            stays = lowered > 0;
-                            if (!stays) graph_.tags[above].set_lowered(Columns::back(d), false);
-                            give(above, other, higher(entry), out, amount);
-                        }
-                        if (stays) nearest = std::min(nearest, at);
-                    }
-                    if (const auto level =
-                            graph_.level.empty() ? none : Residual::node(beside, entry);
-                        level != none && graph_.level[own][d] > 0) {
-                        const auto at = graph_.tags[level].label();
-                        auto& through = graph_.level[own][d];
-                        if (at + 1 == label && excess > 0) {
-                            const auto amount = std::min<std::int64_t>(excess, through);
-                            through -= static_cast<std::int32_t>(amount);
-                            graph_.level[level][Columns::back(d)] +=
-                                static_cast<std::int32_t>(amount);
-                            give(level, other, spot.entry, out, amount);
-                        }
-                        if (through > 0) nearest = std::min(nearest, at);
-                    }
-                    if (const auto below = Residual::node(beside, entry - 1); below != none) {
-                        const auto at = graph_.tags[below].label();
-                        auto& lowered = arcs.lowered[d];
-                        if (at + 1 == label && excess > 0) {
-                            const auto amount = std::min<std::int64_t>(excess, endless - lowered);
-                            overflowed_ = overflowed_ || amount < excess;
-                            lowered += static_cast<std::int32_t>(amount);
-                            tag.set_lowered(d, true);
-                            give(below, other, lower(entry), out, amount);
-                        }
-                        if (lowered < endless) nearest = std::min(nearest, at);
-                    }
+            from.nearest = far;
+            push_up(from);
+            if (from.amount > 0)
+                for_each_side(from.column, [&](std::size_t other, unsigned d, int out) {
+                    const Side to{static_cast<std::uint32_t>(other), d, out};
+                    if (from.amount == 0) return;
+                    push_above(from, to);
+                    push_level(from, to);
+                    push_below(from, to);
                 });
-            if (excess > 0 && entry - 1 > column.first) {
-                const auto at = graph_.tags[own - 1].label();
-                if (at + 1 == label) {
-                    auto& up = graph_.arcs[own - 1].up;
-                    const auto amount =
-                        up == endless ? excess : std::min<std::int64_t>(excess, endless - 1 - up);
-                    overflowed_ = overflowed_ || amount < excess;
-                    if (up != endless) up += static_cast<std::int32_t>(amount);
-                    graph_.tags[own - 1].set_up(true);
-                    give(own - 1, c, lower(entry), -1, amount);
-                }
-                nearest = std::min(nearest, at);
-            }
-            if (excess > 0) label = nearest == far ? far : nearest + 1;
-            if (excess > 0 && label != far) continue;
-            tag.set_label(label);
+            if (from.amount > 0) push_down(from);
+            if (from.amount > 0) from.label = from.nearest == far ? far : from.nearest + 1;
+            if (from.amount > 0 && from.label != far) continue;
+            tag.set_label(from.label);
             tag.set_up(arcs.up > 0);
-            tag.set_excess(excess > 0);
-            arcs.excess = excess;
+            tag.set_excess(from.amount > 0);
+            arcs.excess = from.amount;
             return steps;
         }
+    }
+
+    void give(Excess& from, std::uint32_t n, const Spot& spot, int out, std::int64_t amount) {
+        auto& tag = graph_.tags[n];
+        if (!tag.excess()) (out < 0 ? next_ : sent_[static_cast<std::size_t>(out)]).push_back(spot);
+        tag.set_excess(true);
+        graph_.arcs[n].excess += amount;
+        from.amount -= amount;
+    }
+
+    /// To the next entry of the column, or from its last one to the sink.
+    void push_up(Excess& from) {
+        auto& up = graph_.arcs[from.node].up;
+        if (up <= 0) return;
+        const bool last = from.entry == graph_.columns[from.column].last;
+        const Label above = last ? 0 : graph_.tags[from.node + 1].label();
+        if (above + 1 == from.label) {
+            const auto amount =
+                up == endless ? from.amount : std::min<std::int64_t>(from.amount, up);
+            if (up != endless) up -= static_cast<std::int32_t>(amount);
+            if (last) {
+                sunk_ += amount;
+                from.amount -= amount;
+            } else {
+                give(from, from.node + 1, {from.column, higher(from.entry)}, -1, amount);
+            }
+        }
+        if (up > 0) from.nearest = above;
+    }
+
+    /// To the entry before in the column.
+    void push_down(Excess& from) {
+        if (from.entry - 1 <= graph_.columns[from.column].first) return;
+        const auto at = graph_.tags[from.node - 1].label();
+        if (at + 1 == from.label) {
+            auto& up = graph_.arcs[from.node - 1].up;
+            const auto amount =
+                up == endless ? from.amount : std::min<std::int64_t>(from.amount, endless - 1 - up);
+            overflowed_ = overflowed_ || amount < from.amount;
+            if (up != endless) up += static_cast<std::int32_t>(amount);
+            graph_.tags[from.node - 1].set_up(true);
+            give(from, from.node - 1, {from.column, lower(from.entry)}, -1, amount);
+        }
+        from.nearest = std::min(from.nearest, at);
+    }
+
+    /// To the entry above in a neighbouring column.
+    void push_above(Excess& from, const Side& to) {
+        const auto above = Residual::node(graph_.columns[to.column], from.entry + 1);
+        const auto back = Columns::back(to.direction);
+        // The tag tells whether capacity is left. The amount is far away in memory, so it is read
+        // only to push.
+        if (above == none || !graph_.tags[above].lowered(back)) return;
+        const auto at = graph_.tags[above].label();
+        bool stays = true;
+        if (at + 1 == from.label) {
+            auto& lowered = graph_.arcs[above].lowered[back];
+            const auto amount = std::min<std::int64_t>(from.amount, lowered);
+            lowered -= static_cast<std::int32_t>(amount);
+            stays = lowered > 0;
+            if (!stays) graph_.tags[above].set_lowered(back, false);
+            give(from, above, {to.column, higher(from.entry)}, to.out, amount);
+        }
+        if (stays) from.nearest = std::min(from.nearest, at);
+    }
+
+    /// To the same entry in a neighbouring column.
+    void push_level(Excess& from, const Side& to) {
+        const auto level =
+            graph_.level.empty() ? none : Residual::node(graph_.columns[to.column], from.entry);
+        if (level == none || graph_.level[from.node][to.direction] <= 0) return;
+        const auto at = graph_.tags[level].label();
+        auto& through = graph_.level[from.node][to.direction];
+        if (at + 1 == from.label && from.amount > 0) {
+            const auto amount = std::min<std::int64_t>(from.amount, through);
+            through -= static_cast<std::int32_t>(amount);
+            graph_.level[level][Columns::back(to.direction)] += static_cast<std::int32_t>(amount);
+            give(from, level, {to.column, from.entry}, to.out, amount);
+        }
+        if (through > 0) from.nearest = std::min(from.nearest, at);
+    }
+
+    /// To the entry below in a neighbouring column.
+    void push_below(Excess& from, const Side& to) {
+        const auto below = Residual::node(graph_.columns[to.column], from.entry - 1);
+        if (below == none) return;
+        const auto at = graph_.tags[below].label();
+        auto& lowered = graph_.arcs[from.node].lowered[to.direction];
+        if (at + 1 == from.label && from.amount > 0) {
+            const auto amount = std::min<std::int64_t>(from.amount, endless - lowered);
+            overflowed_ = overflowed_ || amount < from.amount;
+            lowered += static_cast<std::int32_t>(amount);
+            graph_.tags[from.node].set_lowered(to.direction, true);
+            give(from, below, {to.column, lower(from.entry)}, to.out, amount);
+        }
+        if (lowered < endless) from.nearest = std::min(from.nearest, at);
     }
 
     Residual& graph_;

@@ -239,7 +239,8 @@ VolumeGrid picture_of(double x, double y) {
         for (int column = 0; column < 40; ++column)
             values->push_back(static_cast<float>(
                 0.3 + std::exp(-(std::pow(column - x, 2) + std::pow(row - y, 2)) / 8)));
-    return {header, Plane{box, box, std::shared_ptr<const float>(values, values->data()), 1, 40}};
+    return {header,
+            ChannelPixels{box, box, std::shared_ptr<const float>(values, values->data()), 1, 40}};
 }
 
 }  // namespace
@@ -256,13 +257,13 @@ TEST_CASE("what a picture shows moves in its plane, and nothing comes in from be
     for (const double share : {0.25, 0.5}) {
         const auto between =
             volume_between(from, to, share, motion.get(), Transport::semi_lagrangian);
-        REQUIRE(between.grids[0].plane());
+        REQUIRE(between.grids[0].pixels());
         const auto there = picture_of(14 + 4 * share, 12 + 3 * share);
         double worst = 0;
         for (int y = 0; y < 30; ++y)
             for (int x = 0; x < 40; ++x)
-                worst = std::max(worst, std::abs(double(between.grids[0].plane()->at(x, y)) -
-                                                 there.plane()->at(x, y)));
+                worst = std::max(worst, std::abs(double(between.grids[0].pixels()->at(x, y)) -
+                                                 there.pixels()->at(x, y)));
         CHECK(worst < 0.06);
     }
 }
@@ -275,12 +276,12 @@ TEST_CASE("a picture of two is of each where it alone shows, bit for bit") {
         a, b, [](const Vec3d& at) { return at.x() < 10   ? 0.0
                                            : at.x() > 20 ? 1.0
                                                          : 0.5; }, a);
-    const auto* const plane = mixed.grids[0].plane();
+    const auto* const plane = mixed.grids[0].pixels();
     REQUIRE(plane);
-    CHECK(plane->at(3, 12) == a.grids[0].plane()->at(3, 12));
-    CHECK(plane->at(21, 15) == b.grids[0].plane()->at(21, 15));
+    CHECK(plane->at(3, 12) == a.grids[0].pixels()->at(3, 12));
+    CHECK(plane->at(21, 15) == b.grids[0].pixels()->at(21, 15));
     CHECK(plane->at(15, 13) ==
-          Approx(0.5 * (a.grids[0].plane()->at(15, 13) + b.grids[0].plane()->at(15, 13))));
+          Approx(0.5 * (a.grids[0].pixels()->at(15, 13) + b.grids[0].pixels()->at(15, 13))));
 }
 
 TEST_CASE(

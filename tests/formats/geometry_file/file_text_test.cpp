@@ -49,8 +49,8 @@ TEST_CASE("words are split at any of their separators, and are numbers only as a
     CHECK(words_of(" a\tb \r") == std::vector<std::string_view>{"a", "b"});
     CHECK(words_of("1, 2;;3", ",; ") == std::vector<std::string_view>{"1", "2", "3"});
     CHECK(words_of("").empty());
-    CHECK(number_of<double>("+1e-1") == 0.1);
-    CHECK(number_of<long>("-12") == -12);
+    CHECK(number_of_word<double>("+1e-1") == 0.1);
+    CHECK(number_of_word<long>("-12") == -12);
     for (const auto* const none : {"", "1x", "+-1", "1.5", "99999999999999999999"})
-        CHECK_FALSE(number_of<long>(none));
+        CHECK_FALSE(number_of_word<long>(none));
 }

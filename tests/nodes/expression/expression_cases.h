@@ -9,7 +9,7 @@
 #include "nodes/expression/energy_ax.h"
 #include "nodes/expression/evaluate.h"
 #include "nodes/expression/field_ax.h"
-#include "nodes/expression/script.h"
+#include "nodes/expression/program_text.h"
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
 
@@ -25,7 +25,7 @@ using test::failure_of;
 inline const ExpressionModule& module() { return load_module<ExpressionModule>("expressions"); }
 
 using Inputs = std::vector<std::pair<std::string, Ref<AnyGrid>>>;
-using Constants = std::map<std::string, ScriptConstant>;
+using Constants = std::map<std::string, ProgramConstant>;
 
 inline std::shared_ptr<const CompiledExpression> compiled(const std::string& code,
                                                           const Inputs& inputs,

@@ -7,7 +7,7 @@
 #include "nodes/expression/energy_ax.h"
 #include "nodes/expression/evaluate.h"
 #include "nodes/expression/field_ax.h"
-#include "nodes/expression/script.h"
+#include "nodes/expression/program_text.h"
 #include "tests/nodes/expression/expression_cases.h"
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
@@ -108,7 +108,7 @@ TEST_CASE("a place in a program is a place in its YAML, in every style of scalar
             read_yaml(std::make_shared<Source>(Source{"p.yaml", yaml, ""}), problems);
         REQUIRE(problems.empty());
         ValueReader reader(problems, "code", any_number());
-        const auto script = ParamTraits<Script>::parse(value.find("code")->value, reader);
+        const auto script = ParamTraits<ProgramText>::parse(value.find("code")->value, reader);
         const auto at = script->place(line, column);
         return fmt::format("{}:{}", at.line, at.column);
     };
@@ -129,8 +129,8 @@ TEST_CASE("a place in a program is a place in its YAML, in every style of scalar
     // What a param stands for is not in the file: the end of what stands before it.
     const auto source =
         std::make_shared<Source>(Source{"p.yaml", "code: \"@a = ${x} + @b\"\n", ""});
-    CHECK(Script{"@a = 1.5 + @b", {source, 1, 7}}.place(1, 12).column == 12);
-    CHECK(Script{"@a = 1.5 + @b", {source, 1, 7}}.place(1, 2).column == 9);
+    CHECK(ProgramText{"@a = 1.5 + @b", {source, 1, 7}}.place(1, 12).column == 12);
+    CHECK(ProgramText{"@a = 1.5 + @b", {source, 1, 7}}.place(1, 2).column == 9);
     // The end, and beyond it.
     CHECK(place("code: |\n  @a = 1\n\nx: 1\n", 2, 1) == "2:9");
     CHECK(place("code: \"@a = 1\"\n", 1, 7) == "1:14");

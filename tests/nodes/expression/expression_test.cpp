@@ -7,7 +7,7 @@
 #include "nodes/expression/energy_ax.h"
 #include "nodes/expression/evaluate.h"
 #include "nodes/expression/field_ax.h"
-#include "nodes/expression/script.h"
+#include "nodes/expression/program_text.h"
 #include "tests/nodes/expression/expression_cases.h"
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
@@ -154,8 +154,8 @@ TEST_CASE("a tile stays one, unless the program asks where it is", "[expressions
 TEST_CASE("params are numbers and vectors", "[expressions]") {
     CHECK(value_of("@energy = $gain + dot(v$axis, {1, 10, 100});", 1,
                    {{"gain", 0.5}, {"axis", Vec3{1, 2, 3}}}) == 321.5f);
-    CHECK(ParamTraits<ScriptConstant>::text(0.5) == "0.5");
-    CHECK(ParamTraits<ScriptConstant>::text(Vec3{1, 2.5, 3}) == "[1, 2.5, 3]");
+    CHECK(ParamTraits<ProgramConstant>::text(0.5) == "0.5");
+    CHECK(ParamTraits<ProgramConstant>::text(Vec3{1, 2.5, 3}) == "[1, 2.5, 3]");
 }
 
 TEST_CASE("a program's value is what AX says", "[expressions]") {

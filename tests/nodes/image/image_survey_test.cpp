@@ -79,7 +79,7 @@ TEST_CASE("a survey says which channels a picture has, and its size as it is see
 }
 
 TEST_CASE("a channel that no reader has is told before the run", "[images]") {
-    const std::map<std::string, Foreseen> source{
+    const std::map<std::string, SurveyedFacts> source{
         {"source", {std::vector<std::string>{"R", "G", "B"}, std::nullopt}}};
     using Told = std::map<int, std::string>;
     for (const auto& type : {image_write(), energy_image()}) {

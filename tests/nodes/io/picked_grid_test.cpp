@@ -1,6 +1,6 @@
 #include "nodes/payload/picked_grid.h"
+#include "carve/grid/named_grids.h"
 #include "carve/volume/volume.h"
-#include "formats/vdb/grid_names.h"
 #include "formats/vdb/vdb_file.h"
 #include "nodes/payload/add_payloads.h"
 #include "nodes/remap.h"

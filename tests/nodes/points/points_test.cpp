@@ -140,8 +140,8 @@ TEST_CASE(
     writer.run({{"source", {Payload(std::make_shared<Points>(points))}}},
                Context(told, frames).at(0));
     CHECK(told.warnings ==
-          std::vector<std::string>{"the file's grids do not tell where the points are against "
-                                   "them: read it by points.read with 'offset: half_voxel'"});
+          std::vector<std::string>{"the points lie apart from the file's own grids: read the file "
+                                   "by points.read with 'offset: half_voxel'"});
 }
 
 TEST_CASE(

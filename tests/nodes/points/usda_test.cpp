@@ -120,8 +120,8 @@ TEST_CASE("points without any width are warned of, and what is not for USD is re
     const std::vector<int> frames{1};
     NodeBench(points_write(), "{path: " + scratch / "a.usda" + "}")
         .run({{"source", {Payload(points)}}}, Context(told, frames));
-    CHECK(told.warnings == Texts{"the .usda file does not tell how wide the points are, and they "
-                                 "have no voxels: say 'width'"});
+    CHECK(told.warnings == Texts{"the .usda file does not state how wide the points are, and "
+                                 "they have no voxels: state 'width'"});
     CHECK(NodeBench(points_write(), "{path: a.usda}", {{"beside", 1}}).faults() ==
           "beside: a .usda file holds points alone; write a .vdb, or the grids with vdb.write\n");
     CHECK(NodeBench(points_write(), "{path: a.ply, width: 1}").faults() ==

@@ -48,7 +48,7 @@ double light(const Colour& colour) {
 }
 
 /// The mean of a measure over the pixels of an area, given in voxels.
-double mean(const Render& render, const Area& area,
+double mean(const RenderedPicture& render, const Area& area,
             const std::function<double(const Colour&)>& of) {
     const int pixels = render.picture.width / render.area.size(0);
     double sum = 0;
@@ -64,24 +64,26 @@ double mean(const Render& render, const Area& area,
     return sum / count;
 }
 
-double brightness(const Render& render, const Area& area) { return mean(render, area, light); }
+double brightness(const RenderedPicture& render, const Area& area) {
+    return mean(render, area, light);
+}
 
-double redness(const Render& render, const Area& area) {
+double redness(const RenderedPicture& render, const Area& area) {
     return mean(render, area,
                 [](const Colour& colour) { return (colour.red - colour.blue) / 255.0; });
 }
 
-bool plain(const Render& render) {
+bool plain(const RenderedPicture& render) {
     return std::all_of(render.picture.pixels.begin(), render.picture.pixels.end(),
                        [](const Colour& colour) { return colour == render_background; });
 }
 
-bool same(const Render& a, const Render& b) {
+bool same(const RenderedPicture& a, const RenderedPicture& b) {
     return a.picture.width == b.picture.width && a.picture.pixels == b.picture.pixels;
 }
 
 /// What differs from the background, in voxels.
-Area seen(const Render& render) {
+Area seen(const RenderedPicture& render) {
     const int pixels = render.picture.width / render.area.size(0);
     Area out;
     for (int y = 0; y < render.picture.height; ++y)
@@ -362,7 +364,7 @@ TEST_CASE("preview render: before and after share one window and the exposure of
         rows.add(lit_frame(2, weak, weak));
         const auto page = rows.page(2);
         REQUIRE(page.rows.size() == 2);
-        std::vector<Render> out;
+        std::vector<RenderedPicture> out;
         for (const auto& row : page.rows)
             for (const auto& panel : row.panels) out.push_back(panel.render);
         return out;

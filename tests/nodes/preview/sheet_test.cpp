@@ -349,13 +349,14 @@ TEST_CASE("the world's axes are drawn as they are seen") {
 }
 
 TEST_CASE("a grid that no reader has is told before the run, for frames that are shown") {
-    const auto told = [](const std::string& yaml, const std::map<std::string, Foreseen>& received) {
+    const auto told = [](const std::string& yaml,
+                         const std::map<std::string, SurveyedFacts>& received) {
         return NodeBench(preview_sheet(), "{path: x.png, " + yaml + "}")
             .survey({5, 6, 7}, received)
             .absent;
     };
     using Told = std::map<int, std::string>;
-    const Foreseen one{Names{"density"}, std::nullopt},
+    const SurveyedFacts one{Names{"density"}, std::nullopt},
         two{Names{"density", "velocity"}, std::nullopt}, unknown{};
     CHECK(told("grid: smoke", {{"before", two}, {"after", two}}) ==
           Told{{5, "'before' has no grid 'smoke'; known: density, velocity"}});

@@ -178,8 +178,10 @@ TEST_CASE("what seams of frames can't do is refused, with a remedy") {
     CHECK_THAT(faults_in_time(", finest: 2"), Catch::Contains("seams are found at full size"));
     CHECK_THAT(faults_in_time(", best_effort: true"),
                Catch::Contains("the number of frames must be known before the run"));
-    CHECK_THAT(faults_in_time("", 1),
-               Catch::Contains("carve frames by one remap.grids, and what it gives in space"));
+    CHECK_THAT(
+        faults_in_time("", 1),
+        Catch::Contains(
+            "carve frames by one remap.grids, and carve its result in space by other nodes"));
     std::mt19937 random(1);
     const auto failure = [&](const std::string& yaml) {
         return failure_of([&] {

@@ -250,9 +250,8 @@ TEST_CASE(
         std::make_shared<Seams>(warped(lattice, evenly(lattice, -4)))};
     CHECK(carve_map(lattice, sets, Count{0}, 1).empty());
     CHECK(failure_of([&] { carve_map(lattice, sets, Count{-2}, 1); }) ==
-          "`count` is a number of seams, but what is carved last is a warp: it has none, and is "
-          "carved as a whole; leave `count` out, or set the warp's "
-          "`amount`");
+          "the last input of `seams` is a warp, which has no seams to count and is carved as a "
+          "whole; leave `count` out, or set the warp's `amount`");
     const auto plain = carve_map(lattice, sets, {}, 1),
                soft = carve_map(lattice, sets, {}, 1, {Join::squeeze, {}, 3, 1});
     for (int e = 0; e <= plain.steps()[0].last(); ++e)

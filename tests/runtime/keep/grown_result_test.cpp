@@ -52,8 +52,8 @@ TEST_CASE("a header says how much of a growing result there is") {
     CHECK(header.dump() == R"({"size":50,"extent":{"count":3,"of":7},"part":true})");
     const auto read = GrownResult::in(header);
     REQUIRE(read);
-    CHECK(read->extent.count == 3);
-    CHECK(read->extent.of == 7);
+    CHECK(read->items.count == 3);
+    CHECK(read->items.of == 7);
     CHECK(read->bytes == 50);
     CHECK(read->part);
     CHECK(!read->exhausted);

@@ -79,7 +79,7 @@ TEST_CASE("a gathering node takes every frame in one pass, and delivers some in 
     const auto of_share = [](std::size_t node, std::size_t) { return node == 2; };
     const auto cached = make_schedule(pipeline, plan, {true, false}, {of_share, no, yes, yes, no});
     CHECK(text(cached, pipeline) == "1.0: load share, run print\n");
-    const auto all = shares(pipeline, plan, cached, uncached);
+    const auto all = loads_of(pipeline, plan, cached, uncached);
     CHECK(all[1].frames == 2);
     CHECK(all[1].runs == 0);
     CHECK(all[3].frames == 1);
@@ -96,8 +96,8 @@ TEST_CASE("a gathering node takes a cached digest without the frame") {
     const auto schedule = make_schedule(pipeline, plan, {true, true}, {no, first, yes, yes, no});
     CHECK(text(schedule, pipeline) == "0.0: kept into top\n0.1: run load, into top\n");
     CHECK(schedule.once[1] == Schedule::Action::run);
-    const auto share = shares(pipeline, plan, schedule,
-                              make_schedule(pipeline, plan, {true, true}, {no, no, yes, yes, no}))
+    const auto share = loads_of(pipeline, plan, schedule,
+                                make_schedule(pipeline, plan, {true, true}, {no, no, yes, yes, no}))
                            .at(1);
     CHECK(share.consumed_digests == 1);
     CHECK(share.consumed_inputs == 1);

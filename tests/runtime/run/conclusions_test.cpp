@@ -47,19 +47,19 @@ struct Weighing {
         pipeline = build_pipeline(read_document(scratch.write("p.yaml", text), {}, problems),
                                   registry, problems);
         REQUIRE(to_text(problems) == "");
-        shares.resize(2);
-        shares[1].frames = 3;
+        loads.resize(2);
+        loads[1].frames = 3;
     }
     void conclude_of(Report& report, int frames) const {
         for (int n = 1; n <= frames; ++n)
             report.entry(1, "weights", {{std::to_string(n), n * 1.5}});
-        conclude(pipeline, Timelines(pipeline, {}), shares, report);
+        conclude(pipeline, Timelines(pipeline, {}), loads, report);
     }
 
     const Scratch scratch;
     Registry registry = toy::registry();
     Pipeline pipeline;
-    std::vector<fluidcarve::Share> shares;
+    std::vector<fluidcarve::NodeLoad> loads;
 };
 
 }  // namespace

@@ -47,7 +47,7 @@ struct Dig {
         return {"count",
                 [](const void*) { return std::string("removed"); },
                 [](const Payload& result) {
-                    return Extent{result.as<toy::Text>()->value.size(), 0};
+                    return ItemCount{result.as<toy::Text>()->value.size(), 0};
                 },
                 [](const void* params, std::size_t) {
                     return static_cast<std::size_t>(static_cast<const Params*>(params)->count);
@@ -123,7 +123,7 @@ public:
         const auto schedule = prepared.schedule();
         const History history(cache ? options.work_folder : "", all.name);
         return make_forecast(all, prepared, schedule,
-                             shares(all, prepared.plan(), schedule, prepared.uncached_schedule()),
+                             loads_of(all, prepared.plan(), schedule, prepared.uncached_schedule()),
                              history, options);
     }
     std::string why(const std::string& energy, const std::string& dig) const {
@@ -170,8 +170,9 @@ TEST_CASE("a time that nobody measured is not known, and is not made up") {
     CHECK(dug.run("", "") == exit_code::interrupted);
     Dig::stop_at_seven = false;
     const auto text = to_text(dug.forecast("", ""));
-    CHECK_THAT(text, Catch::Contains("\ntime: at least ") &&
-                         Catch::Contains(", without what never ran to its end: dig\n"));
+    CHECK_THAT(text,
+               Catch::Contains("\ntime: at least ") &&
+                   Catch::Contains(", not counting nodes that never ran to their end: dig\n"));
 }
 
 TEST_CASE(

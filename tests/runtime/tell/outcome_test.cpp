@@ -11,7 +11,7 @@ TEST_CASE("the last words of a run say how much was made, in which time, and whe
     CHECK(done_text({1, 0.04, false, {}}) == "done: 1 frame in 0.0 s");
     CHECK(done_text({6, 0.1, true, {"out/a.####.vdb"}}) ==
           "done: nothing had to be done, all is there already: 6 frames -> out/a.####.vdb");
-    CHECK(interrupted_text(true) == "interrupted; run it again to go on");
+    CHECK(interrupted_text(true) == "interrupted; run it again to continue");
     CHECK(interrupted_text(false) == "interrupted; with --no-cache the next run begins anew");
 }
 
