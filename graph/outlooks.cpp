@@ -19,8 +19,8 @@ public:
     OutlookOf(std::size_t index, const Pipeline& pipeline, const Known& known, Outlooks& said)
         : index_(index), said_(said) {
         const auto& node = pipeline.nodes[index];
-        frames_ = node.taken.frames().size();
-        once_ = node.rate != Rate::frame && node.taken.frames().size() > 1;
+        frames_ = node.input_frames.frames().size();
+        once_ = node.rate != Rate::frame && node.input_frames.frames().size() > 1;
         for (std::size_t i = 0; i < node.inputs.size(); ++i) {
             const auto& links = node.inputs[i];
             if (links.empty()) continue;

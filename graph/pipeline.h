@@ -44,7 +44,7 @@ struct Node {
     bool gathers = false;          ///< takes all frames, in order, before it delivers
     Rate rate = Rate::fixed;       ///< how often it delivers, or runs if it has no outputs
     bool per_frame_input = false;  ///< at least one input arrives per frame
-    FrameSet taken;                ///< the frames that its inputs have
+    FrameSet input_frames;         ///< the frames that its inputs have
     FrameSet frames;  ///< the frames in which it delivers: those taken, unless it retimes them
     /// Of a writer: what its files state, except checksums (state_provenance)
     Provenance provenance;

@@ -34,11 +34,12 @@ FrameSet infer_timelines(const std::vector<Node*>& nodes, const FrameSet& sequen
                          Problems& problems) {
     auto all = sequence.frames();
     for (auto* const node : nodes) {
-        node->taken = frames_taken(*node, nodes, sequence, problems);
-        node->frames = node->taken;
+        node->input_frames = frames_taken(*node, nodes, sequence, problems);
+        node->frames = node->input_frames;
         if (!node->params || !node->retimes()) continue;
         try {
-            node->frames = FrameSet(node->type->retimes(node->params.get(), node->taken.frames()));
+            node->frames =
+                FrameSet(node->type->retimes(node->params.get(), node->input_frames.frames()));
         } catch (const Failure& failure) {
             add(problems, node->mark, failure.what());
         }

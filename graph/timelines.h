@@ -7,7 +7,7 @@
 
 namespace fluidcarve {
 
-/// Finds Node::taken and Node::frames of all nodes. All inputs of a node must have the same
+/// Finds Node::input_frames and Node::frames of all nodes. All inputs of a node must have the same
 /// frames.
 /// @param nodes     in order, with their rates
 /// @param sequence  the frames of readers

@@ -191,10 +191,10 @@ struct PointsWrite {
                             "write a .vdb to keep it",
                             name));
         if (!unsaid.offset.empty())
-            context.warn(
-                fmt::format("the points lie apart from the file's own grids: read the file by "
-                            "points.read with 'offset: {}'",
-                            unsaid.offset));
+            context.warn(fmt::format(
+                "points.read needs 'offset: {}' for this file: without it, it reads the "
+                "points half a voxel off",
+                unsaid.offset));
     }
 };
 

@@ -41,7 +41,7 @@ std::optional<TimeSurface> surface_in(const Sequence& source,
     if (!out && !source.box().empty())
         context.warn(
             "no float grid of one transform shows in all frames where both sides match: all places "
-            "go over at once");
+            "are cut");
     return out;
 }
 

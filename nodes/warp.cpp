@@ -238,7 +238,7 @@ private:
         });
         // A warp for a curve, or for the rest of an amount, serves no other amount.
         if (!params.amount || one_of_a_kind(*params.amount) || params.rest) warp.set_linear(false);
-        if (!set.pair_window) warp.hold(params.anchor);
+        if (!set.pair_window) warp.anchor_at(params.anchor);
         warp.find_bounds();
         auto report = warp_report(set, params, &amount);
         if (!amount.varies()) report["amount"] = task.amount;

@@ -106,27 +106,29 @@ CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count,
         throw Failure(fmt::format("{} vertices along {} are more than {}", high() + 1,
                                   to_text(seams.axis), most_vertices + 1));
     if (seams.warp) find_displacements(*seams.warp, t);
-    else find_bounds(seams, t);
+    else find_first_displaced(seams, t);
 }
 
-void CarveStep::find_bounds(const Seams& seams, std::size_t t) {
+void CarveStep::find_first_displaced(const Seams& seams, std::size_t t) {
     const auto columns = seams.columns_per_frame();
-    bounds_.resize((paired_ ? 2 : 1) * count_ * columns);
+    first_displaced_.resize((paired_ ? 2 : 1) * count_ * columns);
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, columns, 1024),
         [&](const tbb::blocked_range<std::size_t>& range) {
             BoundsWriter writer(seams, count_);
             for (auto c = range.begin(); c < range.end(); ++c) {
                 const auto column = t * columns + c;
-                auto* const out = writer.write(seams.seams, inserts_, start_, column,
-                                               bounds_.data() + c * (bounds_.size() / columns));
+                auto* const out =
+                    writer.write(seams.seams, inserts_, start_, column,
+                                 first_displaced_.data() + c * (first_displaced_.size() / columns));
                 if (paired_) writer.write(seams.pairs, !inserts_, start_ + growth(), column, out);
             }
         });
     first_moved_ = start_ == origin_ ? high() + 1 : low();
     last_moved_ = paired_ ? 0 : high();
     for (std::size_t c = 0; c < columns && count_ > 0; ++c) {
-        const auto* const column = bounds_.data() + c * (bounds_.size() / columns);
+        const auto* const column =
+            first_displaced_.data() + c * (first_displaced_.size() / columns);
         first_moved_ = std::min<int>(first_moved_, column[0]);
         // Entries from the last removal on, or behind the last new entry, do not move.
         if (paired_)
@@ -185,10 +187,11 @@ std::vector<CarveStep::Span> CarveStep::windows(const Seams& seams) const {
             Window{moved + seams.pair_window->first, moved + seams.pair_window->last - growth()}};
     } else {
         // A file may state no windows. Then the seams' first and last entries are the windows.
-        for (std::size_t c = 0; c < bounds_.size(); c += 2 * count_)
+        for (std::size_t c = 0; c < first_displaced_.size(); c += 2 * count_)
             for (std::size_t n = 0; n < 2; ++n) {
-                out[n].first = std::min<int>(out[n].first, bounds_[c + n * count_]);
-                out[n].last = std::max<int>(out[n].last, bounds_[c + (n + 1) * count_ - 1]);
+                out[n].first = std::min<int>(out[n].first, first_displaced_[c + n * count_]);
+                out[n].last =
+                    std::max<int>(out[n].last, first_displaced_[c + (n + 1) * count_ - 1]);
             }
     }
     return {{out[0], 0, net}, {out[1], net, 0}};

@@ -22,7 +22,7 @@ class SmoothDisplacement;
 
 /// One seam set in one frame, as a map from carved to original vertices along the carved axis:
 /// `m(i)` of METHOD 4. Pairs of seams move only the entries between their two windows. A warp is
-/// always smooth: it has displacements soft(), and no bounds.
+/// always smooth: it has displacements soft(), and no first_displaced().
 /// Entries are positions along the axis. The space before is the one that the step carves. With an
 /// anchor, the carved space may begin at another entry than the space before. The content of
 /// carved entry `i` comes from entry `i + d`. Displacements `d` are in half vertices, since an
@@ -42,7 +42,7 @@ public:
     /// Whether seams insert; of pairs, those of the first window; false for a warp.
     bool inserts() const { return inserts_; }
     bool paired() const { return paired_; }
-    /// Whether seams are slabs (Seams::thickness); a slab's bounds are the same entry.
+    /// Whether seams are slabs (Seams::thickness); a slab's seams displace from the same entry.
     bool thick() const { return thick_; }
     bool warps() const { return !column_ends_.empty(); }  ///< whether the set is a warp
     /// Whether slice slices() is slice 0 again; first_slice() is then 0.
@@ -179,19 +179,19 @@ public:
         const int j = lateral - first_lateral_,
                   k = closed_ && slice == slices_ ? 0 : slice - first_slice_;
         const auto all = (paired_ ? 2 : 1) * count_;
-        return {
-            bounds_.data() + (static_cast<std::size_t>(j) +
-                              static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) *
-                                 all,
-            all};
+        return {first_displaced_.data() +
+                    (static_cast<std::size_t>(j) +
+                     static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) *
+                        all,
+                all};
     }
-    /// The bounds of a vertex's column, which must exist.
+    /// Those of a vertex's column, which must exist.
     std::span<const std::uint16_t> first_displaced(const openvdb::Coord& vertex) const {
         return first_displaced(vertex[lateral_axis_], vertex[slice_axis_]);
     }
-    /// Number of a column's bounds that are at most `entry`.
+    /// Number of a column's first displaced entries that are at most `entry`.
     static std::size_t passed(int entry, std::span<const std::uint16_t> all) {
-        // Shortcut: most entries lie below or above all bounds.
+        // Shortcut: most entries lie below or above all of them.
         if (all.empty() || entry < all.front()) return 0;
         if (entry >= all.back()) return all.size();
         return static_cast<std::size_t>(std::upper_bound(all.begin(), all.end(), entry) -
@@ -200,7 +200,7 @@ public:
     /// Displacement of an entry without smoothing, half vertices.
     /// @param entry   start() to last()
     /// @param passed  passed(entry, all)
-    /// @param all     bounds of the column
+    /// @param all     first_displaced() of the column
     int displacement(int entry, std::size_t passed, std::span<const std::uint16_t> all) const {
         // The seams of the second window undo what those of the first did.
         const int back = paired_ ? std::max(static_cast<int>(passed) - count(), 0) : 0;
@@ -218,7 +218,7 @@ public:
 private:
     /// Vertices by which the seams of the first window lengthen it.
     int growth() const { return inserts_ ? count() : -count(); }
-    void find_bounds(const Seams& seams, std::size_t t);
+    void find_first_displaced(const Seams& seams, std::size_t t);
     void find_displacements(const Warp& warp, std::size_t t);
     Ends warped_ends(const openvdb::Vec3d& at, double scale) const;
 
@@ -227,8 +227,8 @@ private:
     bool inserts_, paired_, thick_, closed_, around_, turns_;
     std::size_t count_;
     int first_moved_, last_moved_, most_down_, most_up_;
-    double fade_ = 0;                    ///< vertices; 0: none
-    std::vector<std::uint16_t> bounds_;  ///< `[column][seam]`
+    double fade_ = 0;                             ///< vertices; 0: none
+    std::vector<std::uint16_t> first_displaced_;  ///< `[column][seam]`
     Ends common_;
     std::vector<Ends> column_ends_;  ///< `[column]`: where a warp moves the first and the last
                                      ///< vertex; empty for seams

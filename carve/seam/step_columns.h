@@ -35,7 +35,7 @@ public:
         }
     }
 
-    /// Number of bounds in each column.
+    /// Number of first displaced entries in each column.
     std::size_t size() const { return all_[0].size(); }
     /// The n-th of CarveStep::first_displaced, interpolated between the columns; an entry.
     double bound(std::size_t n) const {

@@ -109,7 +109,7 @@ std::array<double, 2> Warp::ends(std::size_t t, int lateral, int k) const {
     return out;
 }
 
-void Warp::hold(const Anchor& anchor) {
+void Warp::anchor_at(const Anchor& anchor) {
     const auto row = static_cast<std::size_t>(points_[0]);
     const auto held = [&](std::span<const float> column) {
         switch (anchor.at) {

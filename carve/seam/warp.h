@@ -77,7 +77,7 @@ public:
     /// Subtracts from each column, in each frame, the displacement of the anchor there: low: the
     /// first value; middle: half of both ends' sum; high: the last value; vertex: the value there.
     /// So a column of zeros stays as it is.
-    void hold(const Anchor& anchor);
+    void anchor_at(const Anchor& anchor);
 
     /// Smallest and largest value, not scaled.
     struct Range {

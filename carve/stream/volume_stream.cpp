@@ -11,18 +11,18 @@ namespace fluidcarve {
 
 namespace {
 
-void write_plane(const ChannelPixels& plane, BinaryWriter& out) {
-    for (const auto* const box : {&plane.box, &plane.stored})
+void write_pixels(const ChannelPixels& pixels, BinaryWriter& out) {
+    for (const auto* const box : {&pixels.box, &pixels.stored})
         for (const auto& corner : {box->min(), box->max()}) out.value(corner);
     std::vector<float> values;
-    values.reserve(plane.stored.volume());
-    for (int y = plane.stored.min().y(); y <= plane.stored.max().y(); ++y)
-        for (int x = plane.stored.min().x(); x <= plane.stored.max().x(); ++x)
-            values.push_back(plane.at(x, y));
+    values.reserve(pixels.stored.volume());
+    for (int y = pixels.stored.min().y(); y <= pixels.stored.max().y(); ++y)
+        for (int x = pixels.stored.min().x(); x <= pixels.stored.max().x(); ++x)
+            values.push_back(pixels.at(x, y));
     out.list(values);
 }
 
-ChannelPixels read_plane(BinaryReader& in) {
+ChannelPixels read_pixels(BinaryReader& in) {
     ChannelPixels out;
     for (auto* const box : {&out.box, &out.stored}) {
         const auto low = in.value<openvdb::Coord>();
@@ -53,7 +53,7 @@ void Stored<Volume>::write(const Volume& volume, std::ostream& to) {
     for (const auto& grid : volume.grids) {
         grids.write(grid.header());
         out.value(grid.pixels() != nullptr);
-        if (grid.pixels()) write_plane(*grid.pixels(), out);
+        if (grid.pixels()) write_pixels(*grid.pixels(), out);
     }
     write_metadata(volume.metadata, out);
     out.text(volume.codec);
@@ -65,7 +65,7 @@ Ref<Volume> Stored<Volume>::read(std::istream& from) {
     GridReader grids(from);
     for (auto left = in.value<std::uint64_t>(); left > 0; --left) {
         const auto grid = grids.read();
-        if (in.value<bool>()) out->grids.emplace_back(grid, read_plane(in));
+        if (in.value<bool>()) out->grids.emplace_back(grid, read_pixels(in));
         else out->grids.emplace_back(grid);
     }
     out->metadata = read_metadata(in);

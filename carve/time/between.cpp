@@ -277,7 +277,7 @@ ChannelPixels picture(const openvdb::CoordBBox& box, const Value& value) {
 
 /// The value between pixels: bilinear, the rim is repeated beyond. If the result is not finite,
 /// the nearest pixel.
-float sample(const ChannelPixels& plane, double x, double y) {
+float sample(const ChannelPixels& pixels, double x, double y) {
     const auto &low = plane.box.min(), &high = plane.box.max();
     x = std::clamp(x, double(low.x()), double(high.x()));
     y = std::clamp(y, double(low.y()), double(high.y()));
@@ -308,7 +308,7 @@ ChannelPixels picture_mixed(const ChannelPixels& a, const ChannelPixels& b, cons
                                 voxel
                           : openvdb::Vec3d(0);
         };
-        const auto at = [&](const ChannelPixels& plane, double time) {
+        const auto at = [&](const ChannelPixels& pixels, double time) {
             const auto first = way(x, y),
                        middle = way(x - 0.5 * time * first.x(), y - 0.5 * time * first.y());
             return sample(plane, x - time * middle.x(), y - time * middle.y());

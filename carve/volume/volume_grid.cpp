@@ -13,12 +13,12 @@ namespace {
 using openvdb::Coord;
 using openvdb::CoordBBox;
 
-/// The tree of a plane, with one leaf per 8 x 8 voxels.
+/// The tree of pixels, with one leaf per 8 x 8 voxels.
 template <class GridT>
-openvdb::GridBase::Ptr tree_of(const openvdb::GridBase& header, const ChannelPixels& plane) {
+openvdb::GridBase::Ptr tree_of(const openvdb::GridBase& header, const ChannelPixels& pixels) {
     using Value = typename GridT::ValueType;
     using Leaf = typename GridT::TreeType::LeafNodeType;
-    const auto& box = plane.box;
+    const auto& box = pixels.box;
     const int z = box.min().z();
     const auto first = Coord(box.min().x() >> 3, box.min().y() >> 3, z >> 3),
                last = Coord(box.max().x() >> 3, box.max().y() >> 3, 0);
@@ -33,7 +33,7 @@ openvdb::GridBase::Ptr tree_of(const openvdb::GridBase& header, const ChannelPix
                 for (int y = std::max(origin.y(), box.min().y());
                      y <= std::min(origin.y() + 7, box.max().y()); ++y)
                     leaf->setValueOn(Leaf::coordToOffset({x, y, z}),
-                                     std::bit_cast<Value>(plane.at(x, y)));
+                                     std::bit_cast<Value>(pixels.at(x, y)));
             leaves[static_cast<std::size_t>(row) * static_cast<std::size_t>(across) +
                    static_cast<std::size_t>(column)] = leaf;
         }
@@ -45,7 +45,7 @@ openvdb::GridBase::Ptr tree_of(const openvdb::GridBase& header, const ChannelPix
 
 /// The plane of a grid, if its active voxels fill a rectangle of one z.
 template <class GridT>
-std::shared_ptr<const ChannelPixels> plane_of(const GridT& grid) {
+std::shared_ptr<const ChannelPixels> pixels_of(const GridT& grid) {
     using Value = typename GridT::ValueType;
     const auto box = grid.evalActiveVoxelBoundingBox();
     if (box.empty() || box.min().z() != box.max().z() || grid.background() != Value(0) ||
@@ -61,28 +61,28 @@ std::shared_ptr<const ChannelPixels> plane_of(const GridT& grid) {
 
 }  // namespace
 
-VolumeGrid::VolumeGrid(openvdb::GridBase::ConstPtr header, ChannelPixels plane)
-    : grid_(std::move(header)), plane_(std::make_shared<const ChannelPixels>(std::move(plane))) {}
+VolumeGrid::VolumeGrid(openvdb::GridBase::ConstPtr header, ChannelPixels pixels)
+    : grid_(std::move(header)), pixels_(std::make_shared<const ChannelPixels>(std::move(pixels))) {}
 
 openvdb::GridBase::ConstPtr VolumeGrid::grid() const {
-    if (!plane_) return grid_;
-    if (grid_->isType<openvdb::Int32Grid>()) return tree_of<openvdb::Int32Grid>(*grid_, *plane_);
-    return tree_of<openvdb::FloatGrid>(*grid_, *plane_);
+    if (!pixels_) return grid_;
+    if (grid_->isType<openvdb::Int32Grid>()) return tree_of<openvdb::Int32Grid>(*grid_, *pixels_);
+    return tree_of<openvdb::FloatGrid>(*grid_, *pixels_);
 }
 
 VolumeGrid VolumeGrid::holding(const openvdb::GridBase::ConstPtr& changed) const {
     VolumeGrid out(changed);
-    if (!plane_) return out;
+    if (!pixels_) return out;
     if (changed->isType<openvdb::FloatGrid>())
-        out.plane_ = plane_of(static_cast<const openvdb::FloatGrid&>(*changed));
+        out.pixels_ = pixels_of(static_cast<const openvdb::FloatGrid&>(*changed));
     else if (changed->isType<openvdb::Int32Grid>())
-        out.plane_ = plane_of(static_cast<const openvdb::Int32Grid&>(*changed));
-    if (out.plane_) out.grid_ = changed->copyGridWithNewTree();
+        out.pixels_ = pixels_of(static_cast<const openvdb::Int32Grid&>(*changed));
+    if (out.pixels_) out.grid_ = changed->copyGridWithNewTree();
     return out;
 }
 
 std::uint64_t VolumeGrid::bytes() const {
-    return plane_ ? plane_->stored.volume() * sizeof(float) : grid_->memUsage();
+    return pixels_ ? pixels_->stored.volume() * sizeof(float) : grid_->memUsage();
 }
 
 }  // namespace fluidcarve

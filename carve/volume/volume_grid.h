@@ -30,7 +30,7 @@ struct ChannelPixels {
     }
 };
 
-/// One grid of a volume: a tree, or the plane of a picture's channel, which becomes a tree only on
+/// One grid of a volume: a tree, or the pixels of a picture's channel, which become a tree only on
 /// request.
 class VolumeGrid {
 public:
@@ -39,19 +39,19 @@ public:
     VolumeGrid(std::shared_ptr<GridT> grid) : grid_(std::move(grid)) {}
     /// @param header  a grid of floats or of whole numbers (Int32Grid) without voxels and with a
     ///   background of 0
-    VolumeGrid(openvdb::GridBase::ConstPtr header, ChannelPixels plane);
+    VolumeGrid(openvdb::GridBase::ConstPtr header, ChannelPixels pixels);
 
     /// Type, name, transform and metadata of the grid, perhaps without its voxels.
     const openvdb::GridBase& header() const { return *grid_; }
     std::string name() const { return grid_->getName(); }
-    /// The grid. A plane is converted anew by each call.
+    /// The grid. Pixels are converted anew by each call.
     openvdb::GridBase::ConstPtr grid() const;
     operator openvdb::GridBase::ConstPtr() const { return grid(); }
     openvdb::GridBase::ConstPtr operator->() const { return grid(); }
     explicit operator bool() const { return grid_ != nullptr; }
     /// Null if the grid is a tree.
-    const ChannelPixels* pixels() const { return plane_.get(); }
-    /// A changed grid, held as this one is: as a plane if this is one, and the grid's active voxels
+    const ChannelPixels* pixels() const { return pixels_.get(); }
+    /// A changed grid, held as this one is: as pixels if this is so, and the grid's active voxels
     /// fill a rectangle of one z.
     VolumeGrid holding(const openvdb::GridBase::ConstPtr& changed) const;
     /// Bytes of memory.
@@ -61,7 +61,7 @@ public:
 
 private:
     openvdb::GridBase::ConstPtr grid_;
-    std::shared_ptr<const ChannelPixels> plane_;
+    std::shared_ptr<const ChannelPixels> pixels_;
 };
 
 }  // namespace fluidcarve

@@ -183,10 +183,9 @@ std::vector<Vec3d> read_csv(FileText& file) {
     std::array<std::size_t, 3> columns{0, 1, 2};
     std::vector<Vec3d> out;
     std::size_t cells = 0;
-    for (bool first = true; file.next();) {
+    bool first = true;
+    for (auto words = file.next_cells(); !words.empty(); words = file.next_cells()) {
         const auto text = file.line().substr(0, file.line().find('#'));
-        const auto words = words_of(text, ",; \t");
-        if (words.empty()) continue;
         if (text.find(',') != std::string_view::npos && text.find(';') != std::string_view::npos)
             file.fault("this line has commas and semicolons: write decimals with a point");
         if (first) cells = words.size();

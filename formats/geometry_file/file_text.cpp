@@ -32,6 +32,13 @@ bool FileText::next() {
     return true;
 }
 
+std::vector<std::string_view> FileText::next_cells() {
+    while (next())
+        if (auto cells = words_of(line_.substr(0, line_.find('#')), ",;\" \t\r"); !cells.empty())
+            return cells;
+    return {};
+}
+
 std::string_view FileText::word(char comment) {
     const auto begin = std::min(line_.find_first_not_of(blanks, in_line_), line_.size());
     if (begin == line_.size() || (comment != 0 && line_[begin] == comment)) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "carve/base/numbers.h"
-
 #include "formats/file/input_file.h"
 
 #include <cstddef>
@@ -27,6 +26,9 @@ public:
     /// Moves to the next line. False after the last line, or if the next line was not read
     /// completely (`most`).
     bool next();
+    /// The cells of the next line of a table that has any, separated by commas, semicolons or
+    /// blanks, without quotes and without text behind a #. Empty: there is none.
+    std::vector<std::string_view> next_cells();
     /// Whether next() met the end of the bytes read, but not of the file.
     bool ran_out() const { return ran_out_; }
     std::string_view line() const { return line_; }

@@ -145,15 +145,15 @@ VolumeGrid grid_of(const std::shared_ptr<const Image>& image, std::size_t channe
     }
     header->setName(name);
     header->insertMeta(depth_key, openvdb::StringMetadata(depth));
-    ChannelPixels plane{box, upright.voxels(image->data), nullptr};
+    ChannelPixels pixels{box, upright.voxels(image->data), nullptr};
     const PixelPlaces places(image->data, upright);
     const auto count = static_cast<std::ptrdiff_t>(image->channels.size());
-    plane.along_x = places.along_x() * count;
-    plane.along_y = places.along_y() * count;
-    plane.values =
+    pixels.along_x = places.along_x() * count;
+    pixels.along_y = places.along_y() * count;
+    pixels.values =
         std::shared_ptr<const float>(image, image->pixels.data() + places.first() * count +
                                                 static_cast<std::ptrdiff_t>(channel));
-    return {header, std::move(plane)};
+    return {header, std::move(pixels)};
 }
 
 bool starts_with_any(const std::string& text, std::initializer_list<const char*> starts) {
@@ -223,13 +223,13 @@ void read_channel(const GridT& grid, const CoordBBox& voxels, const tbb::blocked
         }
 }
 
-/// The same for a plane, whose pixels outside of its box are 0.
-void read_plane(const ChannelPixels& plane, const CoordBBox& voxels,
-                const tbb::blocked_range<int>& rows, const PixelPlaces& places, std::size_t count,
-                float* out) {
+/// The same for pixels, which are 0 outside of their box.
+void read_pixels(const ChannelPixels& pixels, const CoordBBox& voxels,
+                 const tbb::blocked_range<int>& rows, const PixelPlaces& places, std::size_t count,
+                 float* out) {
     for (int y = rows.begin(); y < rows.end(); ++y)
         for (int x = voxels.min().x(); x <= voxels.max().x(); ++x)
-            out[places(x, y) * count] = plane.at(x, y);
+            out[places(x, y) * count] = pixels.at(x, y);
 }
 
 /// Reads the pixels of the data window from the grids.
@@ -248,8 +248,8 @@ void read_pixels(const Channels& channels, const Upright& upright, int z, Image&
                                   read_channel(grid, voxels, rows, z, places, count, first);
                               };
                               const auto& header = channels[c].header();
-                              if (const auto* const plane = channels[c].pixels())
-                                  read_plane(*plane, voxels, rows, places, count, first);
+                              if (const auto* const pixels = channels[c].pixels())
+                                  read_pixels(*pixels, voxels, rows, places, count, first);
                               else if (header.isType<FloatGrid>())
                                   read(static_cast<const FloatGrid&>(header));
                               else read(static_cast<const openvdb::Int32Grid&>(header));
@@ -343,7 +343,7 @@ CoordBBox box_of(const Channels& channels) {
     CoordBBox out;
     for (const auto& channel : channels) {
         const auto& grid = channel.header();
-        if (const auto* const plane = channel.pixels()) out.expand(plane->box);
+        if (const auto* const pixels = channel.pixels()) out.expand(pixels->box);
         else
             out.expand(grid.isType<FloatGrid>() ? active_box(static_cast<const FloatGrid&>(grid))
                                                 : grid.evalActiveVoxelBoundingBox());

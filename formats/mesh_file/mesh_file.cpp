@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <limits>
 #include <optional>
 #include <string_view>
 

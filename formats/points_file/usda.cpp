@@ -4,7 +4,6 @@
 #include "formats/geometry_file/usda.h"
 
 #include <array>
-#include <limits>
 
 namespace fluidcarve {
 namespace {

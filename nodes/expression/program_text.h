@@ -24,7 +24,7 @@ template <>
 struct ParamTraits<ProgramText> {
     static Shape shape() { return {Shape::Kind::text, {}, {}}; }
     static std::optional<ProgramText> parse(const Value& value, ValueReader& reader);
-    static std::string text(const ProgramText& script) { return script.text; }
+    static std::string text(const ProgramText& program) { return program.text; }
 };
 
 /// A number, or a vector of three.

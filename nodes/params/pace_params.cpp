@@ -37,14 +37,12 @@ bool numeric(std::string_view word) {
            std::string_view("+-.").find(word.front()) != std::string_view::npos;
 }
 
-std::vector<std::vector<double>> read_curve(const std::string& path) {
+std::vector<std::vector<double>> read_pace_curve(const std::string& path) {
     constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
     FileText file(InputFile(path, {.what = "a curve of frames", .most = most_bytes}));
     std::vector<std::vector<double>> out;
     bool first = true;
-    while (file.next()) {
-        const auto words = words_of(file.line().substr(0, file.line().find('#')), ",;\" \t\r");
-        if (words.empty()) continue;
+    for (auto words = file.next_cells(); !words.empty(); words = file.next_cells()) {
         const bool names = first && !std::ranges::any_of(words, numeric);
         first = false;
         if (names) continue;
@@ -94,7 +92,7 @@ void check_pace(const PaceParams& params, NodeCheck& check) {
 
 Pace pace_of(const PaceParams& params, const std::vector<int>& frames) {
     PaceRequest request = params;
-    if (!params.curve_file.text().empty()) request.curve = read_curve(params.curve_file.at(0));
+    if (!params.curve_file.text().empty()) request.curve = read_pace_curve(params.curve_file.at(0));
     return {request, frames};
 }
 

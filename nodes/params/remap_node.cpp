@@ -35,8 +35,7 @@ void RemapNode::foresee_frames(const Params& params, const std::string& idle, Ou
         if (params.transform_vectors && (how.fade == 1 || !how.moved))
             ahead.fault(
                 "'transform_vectors' has no effect where frames are cut or blended, since time "
-                "keeps "
-                "its pace there: leave it out, or state `join: squeeze`");
+                "keeps its pace there: leave it out, or state `join: squeeze`");
     } catch (const Failure& failure) {
         ahead.fault(failure.what());
     }

@@ -3,9 +3,9 @@
 #include "carve/base/failure.h"
 #include "carve/seam/seams.h"
 #include "carve/warp/find_warp.h"
+#include "formats/seam_file/warp_amount_file.h"
 #include "graph/types/node_type.h"
 #include "nodes/params/check_params.h"
-#include "nodes/params/warp_amount_file.h"
 
 #include <fmt/format.h>
 

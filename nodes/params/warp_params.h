@@ -4,6 +4,7 @@
 #include "carve/seam/window.h"
 #include "carve/solver/task/params.h"
 #include "carve/warp/amount.h"
+#include "graph/types/param.h"
 
 #include <array>
 

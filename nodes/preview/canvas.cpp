@@ -101,7 +101,7 @@ struct Canvas::Page {
                              colour.blue / 255.0);
         return context.get();
     }
-    cairo_t* pen(const Type& type) const {
+    cairo_t* pen(const TextStyle& type) const {
         take_font(context.get(), type.bold);
         cairo_set_font_size(context.get(), type.size);
         return ink(type.colour);
@@ -205,14 +205,14 @@ void Canvas::picture(const Rect& rect, const Picture& picture, Enlarge enlarge) 
     cairo_restore(context);
 }
 
-void Canvas::text(double x, double y, const std::string& text, const Type& type, Align align) {
+void Canvas::text(double x, double y, const std::string& text, const TextStyle& type, Align align) {
     const double width = align == Align::left ? 0 : text_width(text, type);
     auto* const context = page_->pen(type);
     cairo_move_to(context, std::round(x - (align == Align::right ? width : width / 2)), y);
     cairo_show_text(context, text.c_str());
 }
 
-double Canvas::text_width(const std::string& text, const Type& type) {
+double Canvas::text_width(const std::string& text, const TextStyle& type) {
     cairo_text_extents_t extents;
     cairo_text_extents(page_->pen(type), text.c_str(), &extents);
     return extents.x_advance;

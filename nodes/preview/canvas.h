@@ -33,7 +33,7 @@ public:
         double height = 0;
     };
     enum class Align { left, centre, right };
-    struct Type {
+    struct TextStyle {
         double size = 12;
         bool bold = false;
         Colour colour;
@@ -66,11 +66,11 @@ public:
     /// Draws a line of text.
     /// @param x  of its left end, centre or right end, as `align` says
     /// @param y  of its baseline
-    void text(double x, double y, const std::string& text, const Type& type,
+    void text(double x, double y, const std::string& text, const TextStyle& type,
               Align align = Align::left);
-    double text_width(const std::string& text, const Type& type);
+    double text_width(const std::string& text, const TextStyle& type);
     /// A text, cut so that it fits a width.
-    std::string fitting(std::string text, const Type& type, double width) {
+    std::string fitting(std::string text, const TextStyle& type, double width) {
         if (text_width(text, type) <= width) return text;
         // Not in the middle of a letter of several bytes.
         while (!text.empty() && text_width(text + "...", type) > width) {

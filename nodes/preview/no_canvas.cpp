@@ -25,8 +25,8 @@ void Canvas::fill(const Rect&, Colour) {}
 void Canvas::outline(const Rect&, Colour, bool) {}
 void Canvas::lines(const Rect&, const std::vector<Line>&, double, Colour) {}
 void Canvas::picture(const Rect&, const Picture&, Enlarge) {}
-void Canvas::text(double, double, const std::string&, const Type&, Align) {}
-double Canvas::text_width(const std::string&, const Type&) { return 0; }
+void Canvas::text(double, double, const std::string&, const TextStyle&, Align) {}
+double Canvas::text_width(const std::string&, const TextStyle&) { return 0; }
 void Canvas::write_png(const std::string&, const Provenance&) const {}
 
 }  // namespace fluidcarve

@@ -20,20 +20,20 @@ struct Sum {
 class Channel {
 public:
     explicit Channel(const VolumeGrid& grid)
-        : plane_(grid.pixels()),
-          grid_(plane_ ? FloatGrid::create() : openvdb::gridConstPtrCast<FloatGrid>(grid.grid())),
+        : pixels_(grid.pixels()),
+          grid_(pixels_ ? FloatGrid::create() : openvdb::gridConstPtrCast<FloatGrid>(grid.grid())),
           values_(grid_->getConstAccessor()) {}
 
     bool is_active(const openvdb::Coord& at) const {
-        return plane_ ? plane_->box.isInside(at) : values_.isValueOn(at);
+        return pixels_ ? pixels_->box.isInside(at) : values_.isValueOn(at);
     }
     float at(const openvdb::Coord& at) const {
-        if (!plane_) return values_.getValue(at);
-        return plane_->box.isInside(at) ? plane_->at(at.x(), at.y()) : 0;
+        if (!pixels_) return values_.getValue(at);
+        return pixels_->box.isInside(at) ? pixels_->at(at.x(), at.y()) : 0;
     }
 
 private:
-    const ChannelPixels* plane_;
+    const ChannelPixels* pixels_;
     FloatGrid::ConstPtr grid_;
     FloatGrid::ConstAccessor values_;
 };

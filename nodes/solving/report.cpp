@@ -78,7 +78,8 @@ std::vector<std::string> seam_warnings(const nlohmann::ordered_json& report) {
         out.push_back(fmt::format("finds {} of {} seams, as many as there is room for in {}",
                                   report.at("energy").size(), report.at("asked").get<std::size_t>(),
                                   report.at("no_more").get<std::string>()));
-    else if (report.at("energy").empty()) out.push_back("`count` is 0: nothing is carved");
+    else if (report.at("energy").empty())
+        out.push_back("`count` comes to no seam: nothing is carved");
     const auto& zero_share = report.at("zero_share");
     if (const auto idle = std::count(zero_share.begin(), zero_share.end(), 1.0); idle > 0)
         out.push_back(

@@ -48,4 +48,4 @@ class Error(Exception):
 
 
 class Cancelled(Error):
-    """The run was cancelled. Run it again to go on from there."""
+    """The run was cancelled. Run it again to continue."""

@@ -119,7 +119,7 @@ class Job:
     def _made(self, code: int) -> Any:
         """The result, or the error."""
         if code == _INTERRUPTED or (self._cancelled and code != 0):
-            return Cancelled([Problem("the run was cancelled; run it again to go on")], _INTERRUPTED)
+            return Cancelled([Problem("the run was cancelled; run it again to continue")], _INTERRUPTED)
         result = None
         if code != 2 and os.path.exists(self._report):
             with open(self._report, encoding="utf-8") as file:

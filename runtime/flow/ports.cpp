@@ -17,13 +17,13 @@ void PortIo::connect(std::size_t n, void* ports, const Outputs& held, const Outp
             if (!payload)
                 throw Failure(fmt::format("input '{}' got nothing from {}.{}", spec.name,
                                           source.name, source.outputs[link.output].name));
-            in.push_back(taken(link, payload, spec));
+            in.push_back(value_of(link, payload, spec));
         }
         spec.set(ports, in, node.input_names[i]);
     }
 }
 
-Payload PortIo::taken(const Link& link, const Payload& payload, const InputSpec& spec) const {
+Payload PortIo::value_of(const Link& link, const Payload& payload, const InputSpec& spec) const {
     if (link.part.empty()) return registry.convert(payload, spec.type);
     try {
         return registry.selection(payload.type(), spec.type)->pick(payload, link.part);

@@ -32,7 +32,7 @@ struct PortIo {
 
 private:
     /// The value that an input gets: the whole payload, converted if necessary, or a part of it.
-    Payload taken(const Link& link, const Payload& payload, const InputSpec& spec) const;
+    Payload value_of(const Link& link, const Payload& payload, const InputSpec& spec) const;
 };
 
 }  // namespace fluidcarve

@@ -53,7 +53,7 @@ public:
     const std::vector<int>& frames() const { return timelines_.frames(); }
     /// The frames that a node takes, as numbers.
     const std::vector<int>& frames_of(std::size_t node) const {
-        return timelines_.taken(node).frames;
+        return timelines_.input_frames(node).frames;
     }
     OfNode of(std::size_t node) const;
     /// Paths of the files that a node reads for the frame at a place (an index in `frames`).

@@ -32,13 +32,13 @@ Keys::Keys(const Pipeline& pipeline, const Dependencies& dependencies,
     : pipeline_(pipeline),
       dependencies_(dependencies),
       wants_(std::move(wants)),
-      kept_(pipeline.nodes.size()),
-      taken_(pipeline.nodes.size()),
+      entries_(pipeline.nodes.size()),
+      digests_(pipeline.nodes.size()),
       gathered_(pipeline.nodes.size()) {
     const auto places = dependencies.frames().size();
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
-        kept_[n].resize(pipeline.nodes[n].rate == Rate::frame ? places : 1);
-        taken_[n].resize(places);
+        entries_[n].resize(pipeline.nodes[n].rate == Rate::frame ? places : 1);
+        digests_[n].resize(places);
     }
 }
 
@@ -55,9 +55,9 @@ void Keys::add_inputs(ContentHash& hash, const Dependencies::OfNode& of, std::si
     }
 }
 
-Key Keys::taken(std::size_t n, std::size_t place) {
+Key Keys::digest(std::size_t n, std::size_t place) {
     const std::lock_guard lock(mutex_);
-    auto& known = taken_[n][place];
+    auto& known = digests_[n][place];
     if (known) return *known;
     const auto& type = *pipeline_.nodes[n].type;
     const auto of = dependencies_.of(n);
@@ -81,18 +81,18 @@ Key Keys::gathered(std::size_t n) {
     for (const auto frame : dependencies_.frames_of(n))
         hash.number(static_cast<std::uint64_t>(frame));
     for (std::size_t place = 0; place < dependencies_.frames().size(); ++place)
-        if (wants_(n, place)) hash.key(taken(n, place));
+        if (wants_(n, place)) hash.key(digest(n, place));
     add_inputs(hash, of, 0, nullptr, false);
     hash.key(dependencies_.contents(n, 0));
     known = hash.digest();
     return *known;
 }
 
-Key Keys::kept(std::size_t n, std::size_t place) {
+Key Keys::entry(std::size_t n, std::size_t place) {
     const std::lock_guard lock(mutex_);
     const auto& node = pipeline_.nodes[n];
     if (node.rate != Rate::frame) place = 0;
-    auto& known = kept_[n][place];
+    auto& known = entries_[n][place];
     if (known) return *known;
     if (node.rate != Rate::frame && pipeline_.nodes[n].streams_in()) {
         known = gathered(n);
@@ -120,7 +120,7 @@ Key Keys::kept(std::size_t n, std::size_t place) {
 
 Key Keys::result(std::size_t n, std::size_t place) {
     const auto& node = pipeline_.nodes[n];
-    const auto key = kept(n, place);
+    const auto key = entry(n, place);
     if (!node.type->growth) return key;
     ContentHash hash;
     hash.key(key).text(node.type->param(node.type->growth->param)->text(node.params.get()));

@@ -25,9 +25,9 @@ public:
     Key result(std::size_t node, std::size_t place);
     /// Key of the cache entry with that result. Differs from `result` only for growing results: one
     /// entry serves all counts.
-    Key kept(std::size_t node, std::size_t place);
+    Key entry(std::size_t node, std::size_t place);
     /// Key of a gathering node's digest of a frame; without a digest, of its inputs in that frame.
-    Key taken(std::size_t node, std::size_t place);
+    Key digest(std::size_t node, std::size_t place);
     /// Key of a gathering node's state after its last frame.
     Key gathered(std::size_t node);
 
@@ -43,7 +43,7 @@ private:
     const Dependencies& dependencies_;
     const std::function<bool(std::size_t, std::size_t)> wants_;
     std::recursive_mutex mutex_;
-    std::vector<std::vector<std::optional<Key>>> kept_, taken_;  ///< `[node][place]`
+    std::vector<std::vector<std::optional<Key>>> entries_, digests_;  ///< `[node][place]`
     std::vector<std::optional<Key>> gathered_;
 };
 

@@ -62,8 +62,8 @@ std::optional<GrownResult> Store::grown(std::size_t n) {
 bool Store::knows_digest(std::size_t n, std::size_t place) {
     const auto& node = pipeline_.nodes[n];
     const bool there = node.digests_kept && node.type->digest != typeid(void) &&
-                       cache_.look(keys_.taken(n, place));
-    if (there) cache_.touch(keys_.taken(n, place));
+                       cache_.look(keys_.digest(n, place));
+    if (there) cache_.touch(keys_.digest(n, place));
     return there;
 }
 
@@ -90,7 +90,7 @@ NodeLog Store::log(std::size_t n, std::size_t place) {
 }
 
 NodeLog Store::log_of_digest(std::size_t n, std::size_t place) const {
-    const auto header = cache_.look(keys_.taken(n, place));
+    const auto header = cache_.look(keys_.digest(n, place));
     return header ? log_in(*header) : NodeLog{};
 }
 
@@ -100,7 +100,7 @@ std::optional<std::vector<Payload>> Store::result(std::size_t n, std::size_t pla
 }
 
 std::optional<Payload> Store::digest(std::size_t n, std::size_t place) {
-    auto entry = cache_.load(keys_.taken(n, place));
+    auto entry = cache_.load(keys_.digest(n, place));
     if (!entry || entry->outputs.size() != 1 || !entry->outputs.front() ||
         entry->outputs.front().type() != pipeline_.nodes[n].type->digest)
         return std::nullopt;
@@ -156,7 +156,7 @@ void Store::keep_files(std::size_t n, std::size_t place, const NodeLog& log) {
 void Store::keep_digest(std::size_t n, std::size_t place, const Payload& digest,
                         const NodeLog& log) {
     if (pipeline_.nodes[n].digests_kept && digest)
-        cache_.store(keys_.taken(n, place), header_of(log), {digest});
+        cache_.store(keys_.digest(n, place), header_of(log), {digest});
 }
 
 void Store::keep_grown(std::size_t n, std::size_t place, const Payload& result, const NodeLog& log,

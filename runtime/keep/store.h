@@ -30,10 +30,10 @@ public:
     bool knows_digest(std::size_t node, std::size_t place);
     /// The same, but reads the whole entry; a damaged one does not count.
     bool knows_whole(std::size_t node, std::size_t place) {
-        return knows(node, place) && cache_.whole(keys_.kept(node, place));
+        return knows(node, place) && cache_.whole(keys_.entry(node, place));
     }
     bool knows_whole_digest(std::size_t node, std::size_t place) {
-        return knows_digest(node, place) && cache_.whole(keys_.taken(node, place));
+        return knows_digest(node, place) && cache_.whole(keys_.digest(node, place));
     }
     /// How much of a growing result is kept; nothing: none of it is.
     std::optional<GrownResult> grown(std::size_t node);
@@ -66,7 +66,7 @@ public:
 
 private:
     /// Key of the cache entry of a result.
-    Key key(std::size_t node, std::size_t place) { return keys_.kept(node, place); }
+    Key key(std::size_t node, std::size_t place) { return keys_.entry(node, place); }
     struct Whole {
         std::vector<Payload> outputs;
         NodeLog log;

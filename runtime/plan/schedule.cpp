@@ -209,19 +209,19 @@ std::vector<NodeLoad> loads_of(const Pipeline& pipeline, const Plan& plan, const
     for (std::size_t n = 0; n < out.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         const auto now = frames_of(schedule, n), anew = frames_of(uncached, n);
-        auto& share = out[n];
-        share.consumed_inputs = now.consumed_inputs.size();
-        share.consumed_digests = now.consumed_digests.size();
+        auto& load = out[n];
+        load.consumed_inputs = now.consumed_inputs.size();
+        load.consumed_digests = now.consumed_digests.size();
         if (plan.digested[n]) {
-            share.frames = anew.consumed_inputs.size();
-            share.runs = share.consumed_inputs;
-            share.only_digests = true;
+            load.frames = anew.consumed_inputs.size();
+            load.runs = load.consumed_inputs;
+            load.only_digests = true;
         } else if (node.rate == Rate::frame) {
-            share.frames = anew.run.size();
-            share.runs = now.run.size();
+            load.frames = anew.run.size();
+            load.runs = now.run.size();
         } else if (uncached.once[n] == Action::run) {
-            share.frames = node.streams_in() ? anew.consumed_inputs.size() : 1;
-            share.runs = schedule.once[n] == Action::run ? share.frames : 0;
+            load.frames = node.streams_in() ? anew.consumed_inputs.size() : 1;
+            load.runs = schedule.once[n] == Action::run ? load.frames : 0;
         }
     }
     return out;

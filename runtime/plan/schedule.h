@@ -93,7 +93,7 @@ struct NodeLoad {
 };
 
 /// @param uncached  the schedule of the same plan with an empty cache
-/// @return one share per node
+/// @return one load per node
 std::vector<NodeLoad> loads_of(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule,
                                const Schedule& uncached);
 

@@ -25,7 +25,7 @@ Timelines::Timelines(const Pipeline& pipeline, const std::set<int>& left_out) {
             behind =
                 behind || (retimed[link.node] && pipeline.nodes[link.node].rate == Rate::frame);
         retimed.push_back(behind || node.retimes());
-        taken_.push_back(add(node.taken, behind));
+        input_frames_.push_back(add(node.input_frames, behind));
         delivered_.push_back(add(node.frames, retimed.back()));
     }
     frames_.assign(all.begin(), all.end());

@@ -27,14 +27,14 @@ public:
     /// The frames of all nodes together, as numbers. A place is an index in them.
     const std::vector<int>& frames() const { return frames_; }
     /// The frames that its inputs have.
-    const Line& taken(std::size_t node) const { return lines_[taken_[node]]; }
+    const Line& input_frames(std::size_t node) const { return lines_[input_frames_[node]]; }
     /// The frames in which it delivers.
     const Line& delivered(std::size_t node) const { return lines_[delivered_[node]]; }
 
 private:
     std::vector<int> frames_;
-    std::vector<Line> lines_;                     ///< each once
-    std::vector<std::size_t> taken_, delivered_;  ///< per node: index in `lines_`
+    std::vector<Line> lines_;                            ///< each once
+    std::vector<std::size_t> input_frames_, delivered_;  ///< per node: index in `lines_`
 };
 
 }  // namespace fluidcarve

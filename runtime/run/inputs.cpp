@@ -101,8 +101,9 @@ void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         if (!plan.needed[n] || node.type->inputs.empty()) continue;
-        const auto& frames =
-            node.per_frame_input || node.rate == Rate::frame ? out.timelines.taken(n).frames : once;
+        const auto& frames = node.per_frame_input || node.rate == Rate::frame
+                                 ? out.timelines.input_frames(n).frames
+                                 : once;
         const auto needed = frames_needed(pipeline, plan, n, deliver);
         for (const int frame : frames) {
             if (needed && !needed->contains(frame)) continue;

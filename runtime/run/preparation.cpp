@@ -136,7 +136,7 @@ bool Preparation::delivers(std::size_t n, std::size_t place) const {
 
 bool Preparation::wants(std::size_t n, std::size_t place) const {
     static Context::Host silent;
-    const auto& [frames, index] = inputs_.timelines.taken(n);
+    const auto& [frames, index] = inputs_.timelines.input_frames(n);
     if (!index[place]) return false;
     Context where(silent, frames);
     const auto& node = pipeline_.nodes[n];
@@ -160,23 +160,23 @@ Schedule Preparation::schedule(bool careful) {
         if (fresh) found->second = find();
         return found->second;
     };
-    const Known known{[&](std::size_t n, std::size_t place) {
-                          return once(results, n, place, [&] {
-                              return careful ? store_.knows_whole(n, place)
-                                             : store_.knows(n, place);
-                          });
-                      },
-                      [&](std::size_t n, std::size_t place) {
-                          return once(digests, n, place, [&] {
-                              return careful ? store_.knows_whole_digest(n, place)
-                                             : store_.knows_digest(n, place);
-                          });
-                      },
-                      [this](std::size_t n, std::size_t place) { return wants(n, place); },
-                      [this](std::size_t n, std::size_t place) { return delivers(n, place); },
-                      [&](std::size_t n, std::size_t place) {
-                          return !careful && cache_.on() && static_cast<bool>(keys_.kept(n, place));
-                      }};
+    const Known known{
+        [&](std::size_t n, std::size_t place) {
+            return once(results, n, place, [&] {
+                return careful ? store_.knows_whole(n, place) : store_.knows(n, place);
+            });
+        },
+        [&](std::size_t n, std::size_t place) {
+            return once(digests, n, place, [&] {
+                return careful ? store_.knows_whole_digest(n, place)
+                               : store_.knows_digest(n, place);
+            });
+        },
+        [this](std::size_t n, std::size_t place) { return wants(n, place); },
+        [this](std::size_t n, std::size_t place) { return delivers(n, place); },
+        [&](std::size_t n, std::size_t place) {
+            return !careful && cache_.on() && static_cast<bool>(keys_.entry(n, place));
+        }};
     return make_schedule(pipeline_, plan_, delivered_, known);
 }
 

@@ -18,30 +18,29 @@ constexpr auto between_looks = std::chrono::milliseconds(500);
 
 /// Why a node's results should exist, and what makes them; empty: they exist, or the run may make
 /// them.
-std::string lack_of(const Pipeline& pipeline, std::size_t n, const Plan& plan,
-                    const NodeLoad& share, const RunRequest& request) {
+std::string lack_of(const Pipeline& pipeline, std::size_t n, const Plan& plan, const NodeLoad& load,
+                    const RunRequest& request) {
     const auto& node = pipeline.nodes[n];
     if (plan.targets[n] || plan.digested[n]) return {};
     const auto waited =
         request.wait ? fmt::format("after {} s of --wait, ", *request.wait) : std::string();
-    if (request.target.only && share.runs > 0 && node.kept)
+    if (request.target.only && load.runs > 0 && node.kept)
         return fmt::format(
             "has no results in the work folder for {} of {}, {}and --only runs no other node; run "
             "--to {} first",
-            share.runs, counted(share.frames, "frame"), waited, node.name);
+            load.runs, counted(load.frames, "frame"), waited, node.name);
     if (!request.wait) return {};
     const auto lack = [&](const char* what, std::size_t frames) {
         return fmt::format(
             "{} {} of {} are not in the work folder '{}', {}and --wait leaves them to other runs; "
             "run --to {} first",
             what, frames,
-            counted(std::max(share.frames, share.consumed_inputs + share.consumed_digests),
-                    "frame"),
+            counted(std::max(load.frames, load.consumed_inputs + load.consumed_digests), "frame"),
             request.options.work_folder, waited, node.name);
     };
-    if (digests_apart(node) && share.consumed_inputs > 0)
-        return lack("the data of", share.consumed_inputs);
-    if (gathers_apart(node) && share.runs > 0) return lack("the results of", share.runs);
+    if (digests_apart(node) && load.consumed_inputs > 0)
+        return lack("the data of", load.consumed_inputs);
+    if (gathers_apart(node) && load.runs > 0) return lack("the results of", load.runs);
     return {};
 }
 

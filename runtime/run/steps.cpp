@@ -239,7 +239,7 @@ private:
         return out;
     }
 
-    void set_cost(RunStep& step, const Schedule& schedule, const std::vector<NodeLoad>& shares,
+    void set_cost(RunStep& step, const Schedule& schedule, const std::vector<NodeLoad>& loads,
                   std::size_t all) const {
         const auto calls = calls_of(schedule);
         // A step may read fewer grids than the whole run, and so has frames of another size.
@@ -248,10 +248,10 @@ private:
         if (step.chunked) request.target.frames = FrameSet(step.frames);
         Report unused(pipeline_);
         const Preparation own(pipeline_, registry_, request, unused);
-        const auto expected = expected_costs(pipeline_, own, calls, shares, history_, options_);
+        const auto expected = expected_costs(pipeline_, own, calls, loads, history_, options_);
         std::vector<StepWork> works;
         for (std::size_t n = 0; n < calls.size(); ++n)
-            works.push_back({calls[n], shares[n], frames_of(schedule, n)});
+            works.push_back({calls[n], loads[n], frames_of(schedule, n)});
         step.cost = [&pipeline = pipeline_, options = options_,
                      input_bytes = own.inputs().frame_bytes, works = std::move(works), expected,
                      all](std::size_t frames) {
@@ -261,15 +261,15 @@ private:
                 return all == 0 ? count : (count * std::min(frames, all) + all - 1) / all;
             };
             for (std::size_t n = 0; n < works.size(); ++n) {
-                const auto& [calls, share, at] = works[n];
+                const auto& [calls, load, at] = works[n];
                 const auto& node = pipeline.nodes[n];
                 const auto results = calls.loads - at.consumed_digests.size();
                 const Calls own{part(calls.runs), part(calls.consumed),
                                 part(results) + at.consumed_digests.size(), calls.once};
                 out.seconds += expected_seconds(expected[n], own, out.all_measured);
                 const NodeWork work{own.once,
-                                    node.rate == Rate::frame && !share.only_digests ? own.runs : 0,
-                                    own.consumed, share.consumed_digests};
+                                    node.rate == Rate::frame && !load.only_digests ? own.runs : 0,
+                                    own.consumed, load.consumed_digests};
                 out.memory += memory_of(node, expected[n], work, input_bytes, options);
                 out.disk += disk_of(node, expected[n], work, input_bytes);
             }

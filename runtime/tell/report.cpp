@@ -39,9 +39,9 @@ nlohmann::ordered_json in_order(const nlohmann::ordered_json& entry) {
 
 Report::Report(const Pipeline& pipeline) : pipeline_(pipeline), stats_(pipeline.nodes.size()) {}
 
-void Report::expect(std::vector<NodeLoad> shares) {
+void Report::expect(std::vector<NodeLoad> loads) {
     const std::lock_guard lock(mutex_);
-    if (shares_.empty()) shares_ = std::move(shares);
+    if (loads_.empty()) loads_ = std::move(loads);
 }
 
 void Report::ran(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes) {
@@ -88,8 +88,8 @@ void Report::holds(std::size_t node, std::uint64_t bytes) {
 std::size_t Report::computed(std::size_t n) const {
     const auto& stats = stats_[n];
     if (!stats.places.empty()) return stats.places.size();
-    if (stats.finished && pipeline_.nodes[n].rate != Rate::frame) return shares_[n].frames;
-    return shares_[n].only_digests ? stats.taken.size() : 0;
+    if (stats.finished && pipeline_.nodes[n].rate != Rate::frame) return loads_[n].frames;
+    return loads_[n].only_digests ? stats.taken.size() : 0;
 }
 
 std::uint64_t Report::most_bytes(std::size_t n) const {
@@ -99,10 +99,10 @@ std::uint64_t Report::most_bytes(std::size_t n) const {
 
 std::optional<Gathering> Report::gathering(std::size_t n) const {
     const std::lock_guard lock(mutex_);
-    if (n >= shares_.size() || !pipeline_.nodes[n].streams_in() || shares_[n].only_digests ||
+    if (n >= loads_.size() || !pipeline_.nodes[n].streams_in() || loads_[n].only_digests ||
         stats_[n].finished)
         return std::nullopt;
-    const auto needed = shares_[n].consumed_inputs + shares_[n].consumed_digests;
+    const auto needed = loads_[n].consumed_inputs + loads_[n].consumed_digests;
     if (needed == 0) return std::nullopt;
     return Gathering{stats_[n].gathered.size(), needed, stats_[n].items, stats_[n].of_items};
 }
@@ -110,8 +110,8 @@ std::optional<Gathering> Report::gathering(std::size_t n) const {
 std::vector<std::size_t> Report::done() const {
     const std::lock_guard lock(mutex_);
     std::vector<std::size_t> out;
-    for (std::size_t n = 0; n < shares_.size(); ++n)
-        out.push_back(shares_[n].frames - shares_[n].runs + std::min(computed(n), shares_[n].runs));
+    for (std::size_t n = 0; n < loads_.size(); ++n)
+        out.push_back(loads_[n].frames - loads_[n].runs + std::min(computed(n), loads_[n].runs));
     return out;
 }
 
@@ -188,12 +188,11 @@ nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int ex
              {"peak_rss_bytes", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024},
              {"nodes", json::object()},
              {"seams", json::object()}};
-    for (std::size_t n = 0; n < shares_.size(); ++n) {
+    for (std::size_t n = 0; n < loads_.size(); ++n) {
         const auto& stats = stats_[n];
-        const auto& share = shares_[n];
-        const auto cached =
-            share.frames - std::max(share.runs, std::min(computed(n), share.frames));
-        if (share.frames == 0 ||
+        const auto& load = loads_[n];
+        const auto cached = load.frames - std::max(load.runs, std::min(computed(n), load.frames));
+        if (load.frames == 0 ||
             (cached == 0 && computed(n) == 0 && stats.taken.empty() && stats.once_s == 0))
             continue;
         auto& node = out["nodes"][pipeline_.nodes[n].name];
@@ -202,9 +201,9 @@ nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int ex
                 {"cached", cached},
                 {"wall_s", stats.seconds()},
                 {"bytes", stats.most_bytes}};
-        if (stats.taken.size() + share.consumed_digests > 0)
-            node["taken"] = {{"frames", stats.taken.size() + share.consumed_digests},
-                             {"cached", share.consumed_digests}};
+        if (stats.taken.size() + load.consumed_digests > 0)
+            node["taken"] = {{"frames", stats.taken.size() + load.consumed_digests},
+                             {"cached", load.consumed_digests}};
     }
     for (const auto& [section, nodes] : entries_)
         for (const auto& [node, entry] : nodes) out[section][node] = in_order(entry);

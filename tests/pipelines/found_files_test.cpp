@@ -127,7 +127,7 @@ TEST_CASE("a file of another format is called by its name, with what makes one t
           "n.xyz: files to carve end in .exr, .jpeg, .jpg, .obj, .off, .ply, .png, .stl, .tif, "
           ".tiff, .vdb\n");
     CHECK(said("carve c.csv -5 -o o.vdb") ==
-          "c.csv is a curve, which holds nothing to carve; rig.curve makes a lattice of it\n");
+          "c.csv is a curve, which holds nothing to carve; rig.curve reads it as a rig\n");
     CHECK(said("inspect u.obj") == "failed: u.obj: the text is in UTF-16: save it in UTF-8\n");
     scratch.write("m.off", "OFF3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     CHECK_THAT(call_shell(in + FLUIDCARVE_PROGRAM " inspect m.off").out,

@@ -349,10 +349,10 @@ inline Registry registry() {
                                 any_number(), "Looks at one place of the sequence only.")
                          .output("total", &Total::Ports::total, "The sum.")));
     out.add(NodeType(
-        Declare<NodeLoad>("toy.share", "A number as a share of the largest.")
-            .input("number", &NodeLoad::Ports::number, "The number.")
-            .param("stated", &NodeLoad::Params::stated, "The largest is 1; nothing is gathered.")
-            .output("share", &NodeLoad::Ports::share, "The share.")));
+        Declare<Share>("toy.share", "A number as a share of the largest.")
+            .input("number", &Share::Ports::number, "The number.")
+            .param("stated", &Share::Params::stated, "The largest is 1; nothing is gathered.")
+            .output("share", &Share::Ports::share, "The share.")));
     out.add(NodeType(
         Declare<Print>("toy.print", "Writes down a number.")
             .input("number", &Print::Ports::number, "The number.")

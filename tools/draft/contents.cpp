@@ -332,7 +332,7 @@ Contents contents_of(const std::vector<Facts>& facts) {
     if (kind == "image") return contents_of_images(facts);
     if (kind == "mesh" || kind == "points") return contents_of_geometry(facts);
     throw Failure(
-        fmt::format("{} is a {}, which holds nothing to carve; rig.curve makes a lattice of it",
+        fmt::format("{} is a {}, which holds nothing to carve; rig.curve reads it as a rig",
                     facts.front().at("file").get<std::string>(), kind),
         Failure::Kind::input);
 }

@@ -296,9 +296,8 @@ std::string DraftText::at_another_pace() {
 void DraftText::read_protected() {
     for (const auto& each : request_.protect) {
         const auto sign = each.rfind('=');
-        const bool is_range =
-            sign != std::string::npos &&
-            number_of<double>(std::string_view(each).substr(sign + 1)).has_value();
+        const bool is_range = sign != std::string::npos &&
+                              parse_number(std::string_view(each).substr(sign + 1)).has_value();
         if (!is_range) {
             const auto ending = ending_of(each);
             const std::set<std::string> meshes{".obj", ".ply", ".off", ".stl"};

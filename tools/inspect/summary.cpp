@@ -115,7 +115,6 @@ private:
         return out;
     }
 
-    /// Lines, each with the things that it is about.
     Oddities changes_;
 };
 

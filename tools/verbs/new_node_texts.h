@@ -1,9 +1,6 @@
 #pragma once
 
-#include "graph/types/registry.h"
-
 #include <map>
-#include <string>
 #include <string_view>
 
 namespace fluidcarve {

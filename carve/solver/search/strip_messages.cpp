@@ -7,7 +7,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <cstring>
 #include <utility>
 
 namespace fluidcarve {

@@ -200,7 +200,7 @@ TEST_CASE("velocities are scaled by their name") {
     const auto fast = VectorGrid::create(Vec3s(0, 0, 1));
     fast->setName("vel");
     fast->tree().setValue(Coord(1), Vec3s(2, 4, -6));
-    const auto out = scaled(volume_with({puff(Vec3d(0)), fast}), "vel", -0.5);
+    const auto out = velocities_scaled(volume_with({puff(Vec3d(0)), fast}), "vel", -0.5);
     const auto slow = openvdb::gridConstPtrCast<VectorGrid>(out.find("vel"));
     CHECK(slow->tree().getValue(Coord(1)) == Vec3s(-1, -2, 3));
     CHECK(slow->background() == Vec3s(0, 0, -0.5f));

@@ -205,7 +205,7 @@ TEST_CASE("the points of a volume go along in time as others do, and their veloc
     const auto half = [](const Vec3d&) { return 0.5; };
     CHECK(places(points_of(volume_mixed(held(a), held(b), half, held(a)))) ==
           places(points_mixed(a, b, half, a)));
-    const auto slower = vectors_of(points_of(scaled(held(a), "", 0.5)), "v");
+    const auto slower = vectors_of(points_of(velocities_scaled(held(a), "", 0.5)), "v");
     const auto as_fast = vectors_of(a, "v");
     for (std::size_t n = 0; n < slower.size(); ++n)
         REQUIRE((slower[n] - 0.5 * as_fast[n]).length() < 1e-6);

@@ -293,7 +293,8 @@ TEST_CASE("carved particles make the surface that their carved surface is, but f
         if (!at || at->x() > step.after() - 4 || at->y() < 3 || at->y() > 26 || at->z() < 1 ||
             at->z() > 14)
             continue;
-        const auto bounds = step.bounds(static_cast<int>(at->y()), static_cast<int>(at->z()));
+        const auto bounds =
+            step.first_displaced(static_cast<int>(at->y()), static_cast<int>(at->z()));
         if (at->x() < bounds.back() + 5) continue;
         sum += std::abs(*value - by_grid->tree().getValue(value.getCoord())) / 0.0625;
         was += std::abs(*value - before->tree().getValue(value.getCoord())) / 0.0625;

@@ -140,8 +140,9 @@ TEST_CASE(
     writer.run({{"source", {Payload(std::make_shared<Points>(points))}}},
                Context(told, frames).at(0));
     CHECK(told.warnings ==
-          std::vector<std::string>{"the points lie apart from the file's own grids: read the file "
-                                   "by points.read with 'offset: half_voxel'"});
+          std::vector<std::string>{
+              "points.read needs 'offset: half_voxel' for this file: without it, it "
+              "reads the points half a voxel off"});
 }
 
 TEST_CASE(

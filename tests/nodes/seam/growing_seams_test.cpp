@@ -260,8 +260,8 @@ TEST_CASE(
             const auto all = solve(task, sign * most);
             REQUIRE(all.seams->seams.size() == static_cast<std::size_t>(most));
             const auto& growth = growth_of(task);
-            CHECK(growth.extent(Payload(all.seams)).count == static_cast<std::size_t>(most));
-            CHECK(growth.extent(Payload(all.seams)).of ==
+            CHECK(growth.item_count(Payload(all.seams)).count == static_cast<std::size_t>(most));
+            CHECK(growth.item_count(Payload(all.seams)).of ==
                   static_cast<std::size_t>(all.seams->carved()));
             for (const int count : task.counts) {
                 INFO(task.name << ", " << sign * count << " of " << sign * most);

@@ -111,7 +111,7 @@ TEST_CASE("an anchor holds a place of each column, and leaves columns alone that
           std::pair(Anchor{Anchor::At::vertex, 7}, 7)}) {
         const int factor = GENERATE(1, 4);
         auto warp = *warped(lattice, ramp, Axis::u, {1}, factor).warp;
-        warp.hold(anchor);
+        warp.anchor_at(anchor);
         for (int lateral = 0; lateral < 4; ++lateral) {
             const auto found = column(warp, lateral, 1);
             for (int u = 0; u < 21; ++u)
@@ -292,7 +292,7 @@ TEST_CASE("a warp beyond the budget is held in a file, and is the same") {
             for (std::size_t n = 0; n < warp->values(t).size(); ++n)
                 warp->values(t)[n] =
                     static_cast<float>(0.01 * static_cast<double>(n) + static_cast<double>(t));
-        warp->hold({Anchor::At::high, 0});
+        warp->anchor_at({Anchor::At::high, 0});
         warp->find_bounds();
     }
     for (std::size_t t = 0; t < 4; ++t)

@@ -97,7 +97,7 @@ TEST_CASE("seams that meet nothing and masks that mark nothing are warned of") {
     REQUIRE(warnings().size() == 2);
     CHECK(warnings()[1].find("1 of 2 seams take nothing of `attract`") == 0);
     CHECK(seam_warnings(empty_report(set)) ==
-          std::vector<std::string>{"`count` is 0: nothing is carved"});
+          std::vector<std::string>{"`count` comes to no seam: nothing is carved"});
     CHECK(mask_warnings({std::nullopt, few_vertices}).empty());
     CHECK(mask_warnings({no_vertex, no_vertex}) ==
           std::vector<std::string>{

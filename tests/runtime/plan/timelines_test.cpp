@@ -72,13 +72,13 @@ TEST_CASE("nodes behind one that retimes have its frames, and places count all o
     const Timelines all(pipeline, {});
     CHECK(all.frames() == std::vector{1, 2, 3, 4, 5, 6});
     CHECK(all.delivered(node("load")).frames == std::vector{3, 4, 5});
-    CHECK(all.taken(node("twice")).frames == std::vector{3, 4, 5});
+    CHECK(all.input_frames(node("twice")).frames == std::vector{3, 4, 5});
     CHECK(all.delivered(node("square")).frames == std::vector{1, 2, 3, 4, 5, 6});
     CHECK_FALSE(all.delivered(node("load")).index[1]);
     CHECK(all.delivered(node("load")).index[2] == std::size_t{0});
     // What readers leave out, nodes behind the change of time still deliver.
     const Timelines some(pipeline, {4});
-    CHECK(some.taken(node("twice")).frames == std::vector{3, 5});
+    CHECK(some.input_frames(node("twice")).frames == std::vector{3, 5});
     CHECK(some.delivered(node("square")).frames == std::vector{1, 2, 3, 4, 5, 6});
 }
 

@@ -1,4 +1,4 @@
-#include "nodes/params/warp_amount_file.h"
+#include "formats/seam_file/warp_amount_file.h"
 
 #include "carve/base/failure.h"
 #include "carve/base/words.h"
@@ -100,12 +100,9 @@ WarpAmount read_amounts(const std::string& path) {
                       Failure::Kind::input);
     FileText file(InputFile(path, {.what = "amounts", .most = most_amount_bytes}));
     std::optional<AmountLines> lines;
-    while (file.next()) {
-        const auto words = words_of(file.line().substr(0, file.line().find('#')), ",; \t");
-        if (words.empty()) continue;
-        if (lines) lines->add(words);
-        else lines.emplace(file, words);
-    }
+    for (auto cells = file.next_cells(); !cells.empty(); cells = file.next_cells())
+        if (lines) lines->add(cells);
+        else lines.emplace(file, cells);
     if (!lines) file.fault_in_all(fmt::format("there is nothing in it: {}", form));
     return lines->take();
 }

@@ -10,8 +10,8 @@ namespace fluidcarve {
 /// `w`, `time` or both; each further line is a point of the curve. Amounts and places are those of
 /// WarpAmount: a number of vertices or a percentage; 0 to 1 along w; frame numbers. Points rise.
 /// With both columns each frame that the file names has a curve of its own along w: the lines of a
-/// frame stand together, and frames rise. Columns are separated by commas, semicolons or blanks;
-/// other columns, empty lines and text behind a # are skipped.
+/// frame stand together, and frames rise. Lines are those of FileText::next_cells(); other columns
+/// are skipped.
 /// @throws Failure (input) naming file and line if the file can't be read, is larger than 64 MiB,
 ///   has another form, or holds no point
 WarpAmount read_amounts(const std::string& path);
