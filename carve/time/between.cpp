@@ -278,18 +278,18 @@ ChannelPixels picture(const openvdb::CoordBBox& box, const Value& value) {
 /// The value between pixels: bilinear, the rim is repeated beyond. If the result is not finite,
 /// the nearest pixel.
 float sample(const ChannelPixels& pixels, double x, double y) {
-    const auto &low = plane.box.min(), &high = plane.box.max();
+    const auto &low = pixels.box.min(), &high = pixels.box.max();
     x = std::clamp(x, double(low.x()), double(high.x()));
     y = std::clamp(y, double(low.y()), double(high.y()));
     const int left = static_cast<int>(std::floor(x)), down = static_cast<int>(std::floor(y)),
               right = std::min(left + 1, high.x()), up = std::min(down + 1, high.y());
     const auto across = static_cast<float>(x - left), along = static_cast<float>(y - down);
     const auto line = [&](int row) {
-        return (1 - across) * plane.at(left, row) + across * plane.at(right, row);
+        return (1 - across) * pixels.at(left, row) + across * pixels.at(right, row);
     };
     const float out = (1 - along) * line(down) + along * line(up);
     return std::isfinite(out) ? out
-                              : plane.at(across < 0.5f ? left : right, along < 0.5f ? down : up);
+                              : pixels.at(across < 0.5f ? left : right, along < 0.5f ? down : up);
 }
 
 /// Blends a picture's channel of two frames, as grid_mixed(); but the rim is repeated beyond it.
@@ -311,7 +311,7 @@ ChannelPixels picture_mixed(const ChannelPixels& a, const ChannelPixels& b, cons
         const auto at = [&](const ChannelPixels& pixels, double time) {
             const auto first = way(x, y),
                        middle = way(x - 0.5 * time * first.x(), y - 0.5 * time * first.y());
-            return sample(plane, x - time * middle.x(), y - time * middle.y());
+            return sample(pixels, x - time * middle.x(), y - time * middle.y());
         };
         const float before = at(a, part), after = at(b, part - 1);
         if (before == after) return before;

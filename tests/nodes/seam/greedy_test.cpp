@@ -4,6 +4,7 @@
 #include "carve/volume/volume.h"
 #include "nodes/seam.h"
 #include "tests/support/node_bench.h"
+#include "tests/support/scratch.h"
 #include "tests/support/searches.h"
 
 #include <tbb/global_control.h>

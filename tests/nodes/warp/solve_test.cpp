@@ -108,7 +108,7 @@ TEST_CASE("warp.solve makes the lattice longer or shorter by any amount, also a 
 TEST_CASE("a kept warp answers other amounts as a search of their own would, bit for bit") {
     const auto kept = warp("{amount: -1.5}");
     REQUIRE(kept.seams->warp->linear());
-    const auto extent = growth().extent(Payload(kept.seams));
+    const auto extent = growth().item_count(Payload(kept.seams));
     for (const std::string amount : {"-0.7", "7.2", "0.125"}) {
         const auto yaml = "{amount: " + amount + "}";
         REQUIRE(extent.count >= wanted(yaml));
@@ -138,8 +138,8 @@ TEST_CASE("a warp that is too tight to be linear is kept for its own amount alon
     const Grids soft{{"attract", {mask_grid(voxels(Coord(4, 0, 0), Coord(8, 4, 5)))}}};
     const auto kept = warp("{amount: -7}", soft);
     REQUIRE_FALSE(kept.seams->warp->linear());
-    CHECK(growth().extent(Payload(kept.seams)).count < wanted("{amount: -7}"));
-    CHECK(growth().extent(Payload(kept.seams)).count < wanted("{amount: -0.01}"));
+    CHECK(growth().item_count(Payload(kept.seams)).count < wanted("{amount: -7}"));
+    CHECK(growth().item_count(Payload(kept.seams)).count < wanted("{amount: -0.01}"));
     const auto again = warp("{amount: -7}", soft, from(kept));
     CHECK(same_values(*again.seams->warp, *kept.seams->warp));
     CHECK(again.listener.entry == kept.listener.entry);
@@ -186,7 +186,7 @@ TEST_CASE("amounts from a file warp as the same curve in the pipeline does") {
                       *warp("{amount: {along: time, at: [[5, 0], [7, 4]]}}").seams->warp));
     CHECK_FALSE(of_file("still.csv", "w,amount\n0,0\n1,0\n").seams->warp);
     // Not kept as the answer to another amount.
-    CHECK(growth().extent(Payload(read.seams)).count == wanted("{amount_file: ramp.csv}"));
+    CHECK(growth().item_count(Payload(read.seams)).count == wanted("{amount_file: ramp.csv}"));
     CHECK(growth().rest(NodeBench(warp_solve(), "{amount_file: ramp.csv}").params()) !=
           growth().rest(NodeBench(warp_solve(), "{amount: -3}").params()));
 }
@@ -326,7 +326,8 @@ TEST_CASE("a warp may make the rest of an amount, towards which the seams before
         CHECK(at(*solved.seams, 20, 2, 2, 0) == left);
         CHECK(solved.listener.entry["amount"] == left);
         // It answers no other amount, since that of others is of another space.
-        CHECK(growth().extent(Payload(solved.seams)).count == wanted("{amount: -4.5, rest: true}"));
+        CHECK(growth().item_count(Payload(solved.seams)).count ==
+              wanted("{amount: -4.5, rest: true}"));
     }
     CHECK_FALSE(warp("{amount: -3, rest: true}", {}, {}, {seams}).seams->warp);
     CHECK(growth().rest(

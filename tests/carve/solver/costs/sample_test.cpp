@@ -1,6 +1,7 @@
 #include "carve/solver/costs/sample.h"
 #include "carve/base/failure.h"
 #include "carve/base/frame_store.h"
+#include "carve/lattice/snap.h"
 #include "carve/solver/costs/code.h"
 #include "carve/solver/costs/decode.h"
 #include "tests/support/bent_lattices.h"
