@@ -89,7 +89,7 @@ std::vector<FarmPath> paths_of(const Pipeline& pipeline, const std::string& work
 /// A name that is the same for the same command, and differs for other commands.
 std::string name_of(const FarmJob& job, const FarmCommand& command,
                     const std::vector<RunStep>& steps) {
-    ContentHash hash;
+    Hasher hash;
     hash.text(job.folder);
     for (const auto& [variable, value] : command.environment) hash.text(variable).text(value);
     for (const auto& word : command.pipeline) hash.text(word);

@@ -122,14 +122,14 @@ Cache::Cache(const Registry& registry, std::string folder, std::size_t packed)
       packed_(packed),
       packs_(folder_) {}
 
-std::string Cache::path_of(const Key& key) const { return folder_ + "/" + key.path(); }
+std::string Cache::path_of(const Hash& key) const { return folder_ + "/" + key.path(); }
 
-void Cache::touch(const Key& key) const {
+void Cache::touch(const Hash& key) const {
     if (on() && key && utimensat(AT_FDCWD, path_of(key).c_str(), nullptr, 0) != 0)
         packs_.touch(key);
 }
 
-std::optional<Json> Cache::look(const Key& key) const {
+std::optional<Json> Cache::look(const Hash& key) const {
     if (!on() || !key) return std::nullopt;
     const Descriptor file{open_entry(path_of(key))};
     if (file.number >= 0) {
@@ -144,14 +144,14 @@ std::optional<Json> Cache::look(const Key& key) const {
     return packed ? entry_header(*packed, packed->size()) : std::nullopt;
 }
 
-void Cache::remove_damaged(const Key& key) {
+void Cache::remove_damaged(const Hash& key) {
     ++damaged_;
     packs_.drop(key);
     std::error_code ignored;
     fs::remove(path_of(key), ignored);
 }
 
-std::optional<Cache::Read> Cache::read(const Key& key) {
+std::optional<Cache::Read> Cache::read(const Hash& key) {
     if (!on() || !key) return std::nullopt;
     const Descriptor file{open_entry(path_of(key))};
     std::vector<char> bytes;
@@ -168,15 +168,15 @@ std::optional<Cache::Read> Cache::read(const Key& key) {
     auto header = entry_header(bytes, bytes.size());
     if (!header) return remove_damaged(key), std::nullopt;
     const auto sealed = bytes.size() - entry_seal;
-    if (entry_checksum({bytes.data(), sealed}) != number_at<Key>(bytes.data() + sealed))
+    if (entry_checksum({bytes.data(), sealed}) != number_at<Hash>(bytes.data() + sealed))
         return remove_damaged(key), std::nullopt;
     const auto body = entry_prefix + number_at<std::uint64_t>(bytes.data() + 16);
     return Read{std::move(*header), std::move(bytes), body};
 }
 
-bool Cache::whole(const Key& key) { return read(key).has_value(); }
+bool Cache::whole(const Hash& key) { return read(key).has_value(); }
 
-std::optional<Cache::Entry> Cache::load(const Key& key) {
+std::optional<Cache::Entry> Cache::load(const Hash& key) {
     auto file = read(key);
     if (!file) return std::nullopt;
     Entry out{std::move(file->header), {}};
@@ -209,7 +209,7 @@ std::optional<Cache::Entry> Cache::load(const Key& key) {
     return out;
 }
 
-bool Cache::store(const Key& key, Json header, const std::vector<Payload>& outputs) {
+bool Cache::store(const Hash& key, Json header, const std::vector<Payload>& outputs) {
     if (!on() || !key) return true;
     if (!fault().empty()) return false;
     try {
@@ -223,7 +223,7 @@ bool Cache::store(const Key& key, Json header, const std::vector<Payload>& outpu
         head.insert(head.end(), text.begin(), text.end());
         std::vector<std::span<const char>> parts{head};
         parts.insert(parts.end(), body.parts().begin(), body.parts().end());
-        ContentHash hash;
+        Hasher hash;
         for (const auto& part : parts) hash.bytes(part.data(), part.size());
         append(seal, hash.digest());
         parts.emplace_back(seal);
@@ -263,7 +263,7 @@ void Cache::look_again() {
     unread_.clear();
 }
 
-void Cache::note(const Key& key, int error) const {
+void Cache::note(const Hash& key, int error) const {
     if (error == 0 || error == ENOENT) return;
     const std::lock_guard lock(mutex_);
     if (unread_.empty())

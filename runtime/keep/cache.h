@@ -40,19 +40,19 @@ public:
     const Registry& registry() const { return registry_; }
     /// Reads only the header of an entry. Nothing if there is no entry, or its header or file size
     /// is damaged.
-    std::optional<nlohmann::ordered_json> look(const Key& key) const;
+    std::optional<nlohmann::ordered_json> look(const Hash& key) const;
     /// Makes later calls find what other processes have stored meanwhile.
     void look_again();
     /// Marks an entry as used now, for `trim`.
-    void touch(const Key& key) const;
+    void touch(const Hash& key) const;
     /// Reads an entry and checks every byte. Nothing if there is no entry, or it is damaged; a
     /// damaged entry is removed, or no longer found in its pack.
-    std::optional<Entry> load(const Key& key);
+    std::optional<Entry> load(const Hash& key);
     /// Whether there is an entry with every byte intact; a damaged entry is removed.
-    bool whole(const Key& key);
+    bool whole(const Hash& key);
     /// Writes an entry.
     /// @return false if it can't be written; later calls then store nothing, and `fault` says why
-    bool store(const Key& key, nlohmann::ordered_json header, const std::vector<Payload>& outputs);
+    bool store(const Hash& key, nlohmann::ordered_json header, const std::vector<Payload>& outputs);
     /// Call it after the last store. Data that the system has lost becomes a fault.
     void finish();
     std::string fault() const;
@@ -78,12 +78,12 @@ private:
         std::vector<char> bytes;  ///< the whole entry
         std::size_t body = 0;     ///< offset of the outputs in `bytes`
     };
-    std::string path_of(const Key& key) const;
+    std::string path_of(const Hash& key) const;
     /// Reads a whole entry and checks every byte; a damaged entry is removed.
-    std::optional<Read> read(const Key& key);
-    void remove_damaged(const Key& key);
+    std::optional<Read> read(const Hash& key);
+    void remove_damaged(const Hash& key);
     /// Records an error of the system. Ignores 0 and missing files.
-    void note(const Key& key, int error) const;
+    void note(const Hash& key, int error) const;
 
     const Registry& registry_;
     const std::string work_folder_, folder_;

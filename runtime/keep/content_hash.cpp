@@ -9,44 +9,44 @@
 
 namespace fluidcarve {
 
-struct ContentHash::State {
+struct Hasher::State {
     XXH3_state_t xxh;
 };
 
-std::string Key::text() const { return fmt::format("{:016x}{:016x}", high, low); }
+std::string Hash::text() const { return fmt::format("{:016x}{:016x}", high, low); }
 
-std::string Key::path() const { return text().insert(2, "/"); }
+std::string Hash::path() const { return text().insert(2, "/"); }
 
-Key Key::parse(std::string_view text) {
-    Key out;
+Hash Hash::parse(std::string_view text) {
+    Hash out;
     if (text.size() != 32) return out;
     const auto half = [](std::string_view digits, std::uint64_t& into) {
         const auto end = std::from_chars(digits.data(), digits.data() + digits.size(), into, 16);
         return end.ec == std::errc() && end.ptr == digits.data() + digits.size();
     };
-    return half(text.substr(0, 16), out.high) && half(text.substr(16), out.low) ? out : Key{};
+    return half(text.substr(0, 16), out.high) && half(text.substr(16), out.low) ? out : Hash{};
 }
 
-ContentHash::ContentHash() : state_(new State) { XXH3_128bits_reset(&state_->xxh); }
-ContentHash::~ContentHash() = default;
+Hasher::Hasher() : state_(new State) { XXH3_128bits_reset(&state_->xxh); }
+Hasher::~Hasher() = default;
 
-ContentHash& ContentHash::bytes(const void* data, std::size_t size) {
+Hasher& Hasher::bytes(const void* data, std::size_t size) {
     XXH3_128bits_update(&state_->xxh, data, size);
     return *this;
 }
 
-ContentHash& ContentHash::text(std::string_view text) {
+Hasher& Hasher::text(std::string_view text) {
     return number(text.size()).bytes(text.data(), text.size());
 }
 
-ContentHash& ContentHash::number(std::uint64_t number) { return bytes(&number, sizeof number); }
+Hasher& Hasher::number(std::uint64_t number) { return bytes(&number, sizeof number); }
 
-ContentHash& ContentHash::key(const Key& key) {
-    unknown_ = unknown_ || !key;
-    return number(key.high).number(key.low);
+Hasher& Hasher::hash(const Hash& hash) {
+    unknown_ = unknown_ || !hash;
+    return number(hash.high).number(hash.low);
 }
 
-Key ContentHash::digest() const {
+Hash Hasher::digest() const {
     if (unknown_) return {};
     const auto hash = XXH3_128bits_digest(&state_->xxh);
     return {hash.high64, hash.low64};

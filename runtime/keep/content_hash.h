@@ -10,35 +10,35 @@
 namespace fluidcarve {
 
 /// A 128-bit hash of a content. All zero: the content is unknown.
-struct Key {
+struct Hash {
     std::uint64_t high = 0, low = 0;
 
     explicit operator bool() const { return high != 0 || low != 0; }
-    auto operator<=>(const Key&) const = default;
-    /// The key as 32 hex digits.
+    auto operator<=>(const Hash&) const = default;
+    /// The hash as 32 hex digits.
     std::string text() const;
-    /// The path of a file named by the key, below the folder of its kind: two of the digits, `/`,
+    /// The path of a file named by the hash, below the folder of its kind: two of the digits, `/`,
     /// the other 30.
     std::string path() const;
-    /// Reads the result of `text`. Any other text gives the zero key.
-    static Key parse(std::string_view text);
+    /// Reads the result of `text`. Any other text gives the zero hash.
+    static Hash parse(std::string_view text);
 };
 
 /// Hashes a sequence of values (XXH3, 128 bits). Not safe against deliberate collisions.
-class ContentHash {
+class Hasher {
 public:
-    ContentHash();
-    ~ContentHash();
-    ContentHash(const ContentHash&) = delete;
-    ContentHash& operator=(const ContentHash&) = delete;
+    Hasher();
+    ~Hasher();
+    Hasher(const Hasher&) = delete;
+    Hasher& operator=(const Hasher&) = delete;
 
-    ContentHash& bytes(const void* data, std::size_t size);
+    Hasher& bytes(const void* data, std::size_t size);
     /// Includes the length, so that different lists of texts give different hashes.
-    ContentHash& text(std::string_view text);
-    ContentHash& number(std::uint64_t number);
-    /// A zero key makes the digest zero.
-    ContentHash& key(const Key& key);
-    Key digest() const;
+    Hasher& text(std::string_view text);
+    Hasher& number(std::uint64_t number);
+    /// A zero hash makes the digest zero.
+    Hasher& hash(const Hash& hash);
+    Hash digest() const;
 
 private:
     struct State;

@@ -23,7 +23,7 @@ Dependencies::OfNode Dependencies::of(std::size_t n) const {
     OfNode out{type.name, type.version, std::nullopt, {}, {}};
     if (const auto plugin = pipeline_.plugins.find(type.name); plugin != pipeline_.plugins.end()) {
         const auto content = files_.of(plugin->second);
-        out.plugin = content ? content->key : Key{};
+        out.plugin = content ? content->key : Hash{};
     }
     for (const auto& param : type.params) {
         if (param.reads_file() || param.writes_file()) continue;
@@ -67,11 +67,11 @@ std::vector<std::string> Dependencies::watched_files(std::size_t n, std::size_t 
     return out;
 }
 
-Key Dependencies::contents(std::size_t n, std::size_t place) const {
-    ContentHash hash;
+Hash Dependencies::contents(std::size_t n, std::size_t place) const {
+    Hasher hash;
     for (const auto& path : files(n, place)) {
         const auto content = files_.of(path);
-        hash.key(content ? content->key : Key{});
+        hash.hash(content ? content->key : Hash{});
     }
     return hash.digest();
 }

@@ -38,9 +38,9 @@ public:
     struct OfNode {
         std::string type;
         int version = 1;
-        std::optional<Key> plugin;  ///< hash of the plugin file that declares the type, whose
-                                    ///< author may have forgotten to raise the version
-        std::vector<Param> params;  ///< with a FurtherDependencies::version as `VERSION`
+        std::optional<Hash> plugin;  ///< hash of the plugin file that declares the type, whose
+                                     ///< author may have forgotten to raise the version
+        std::vector<Param> params;   ///< with a FurtherDependencies::version as `VERSION`
         std::vector<Input> inputs;
     };
 
@@ -59,7 +59,7 @@ public:
     /// Paths of the files that a node reads for the frame at a place (an index in `frames`).
     std::vector<std::string> files(std::size_t node, std::size_t place) const;
     /// Hash of the content of these files; zero if one can't be read.
-    Key contents(std::size_t node, std::size_t place) const;
+    Hash contents(std::size_t node, std::size_t place) const;
     /// These files, and the missing ones for which they stand in: if one of the latter appears, the
     /// node may read it.
     std::vector<std::string> watched_files(std::size_t node, std::size_t place) const;

@@ -43,7 +43,7 @@ std::optional<Json> entry_header(std::span<const char> bytes, std::uint64_t size
     const auto end = header_end(bytes, size);
     if (!end || *end > bytes.size()) return std::nullopt;
     const auto text = bytes.subspan(entry_prefix, *end - entry_prefix);
-    if (entry_checksum(text) != number_at<Key>(bytes.data() + 32)) return std::nullopt;
+    if (entry_checksum(text) != number_at<Hash>(bytes.data() + 32)) return std::nullopt;
     auto out = Json::parse(text.begin(), text.end(), nullptr, false);
     return out.is_object() ? std::optional(std::move(out)) : std::nullopt;
 }

@@ -21,8 +21,8 @@ inline constexpr std::string_view entry_magic{"fluidcarve 1\n\0\0\0", 16};
 inline constexpr std::size_t entry_prefix = 16 + 8 + 8 + 16;  ///< bytes before the header
 inline constexpr std::size_t entry_seal = 16;                 ///< bytes of the last checksum
 
-inline Key entry_checksum(std::span<const char> bytes) {
-    return ContentHash().bytes(bytes.data(), bytes.size()).digest();
+inline Hash entry_checksum(std::span<const char> bytes) {
+    return Hasher().bytes(bytes.data(), bytes.size()).digest();
 }
 
 template <class T>

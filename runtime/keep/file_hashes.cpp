@@ -34,8 +34,8 @@ bool settled(const struct stat& file) {
 
 }  // namespace
 
-Key stamp_of(const struct stat& file) {
-    ContentHash hash;
+Hash stamp_of(const struct stat& file) {
+    Hasher hash;
     hash.number(file.st_ino).number(static_cast<std::uint64_t>(file.st_size));
     for (const auto& time : {file.st_mtim, file.st_ctim})
         hash.number(static_cast<std::uint64_t>(time.tv_sec))
@@ -43,8 +43,8 @@ Key stamp_of(const struct stat& file) {
     return hash.digest();
 }
 
-Key FileHashes::stored(const Key& stamp) {
-    Key out;
+Hash FileHashes::stored(const Hash& stamp) {
+    Hash out;
     const auto bytes = stored_.read(stamp);
     if (!bytes || bytes->size() != sizeof out) return {};
     std::memcpy(&out, bytes->data(), sizeof out);
@@ -62,13 +62,13 @@ std::optional<FileHashes::Content> FileHashes::find(const std::string& path) {
         !confinement.refusal_of_open(file.number).empty())
         return std::nullopt;
     const auto stamp = stamp_of(before);
-    const auto with = [&](const Key& key) {
+    const auto with = [&](const Hash& key) {
         return Content{key, static_cast<std::uint64_t>(before.st_size), before.st_ino};
     };
     if (settled(before))
         if (const auto key = stored(stamp)) return with(key);
 
-    ContentHash hash;
+    Hasher hash;
     std::vector<char> buffer(std::size_t{1} << 20);
     for (;;) {
         const auto got = read(file.number, buffer.data(), buffer.size());

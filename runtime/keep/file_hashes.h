@@ -14,14 +14,14 @@ struct stat;
 namespace fluidcarve {
 
 /// Identifies one state of a file: hash of inode, size and times.
-Key stamp_of(const struct stat& file);
+Hash stamp_of(const struct stat& file);
 
 /// Content hashes of files. They are stored in the work folder (Packs) by each file's size, times
 /// and inode, so that an unchanged file is not read again, even if it or its folder was moved.
 class FileHashes {
 public:
     struct Content {
-        Key key;                   ///< hash of the content
+        Hash key;                  ///< hash of the content
         std::uint64_t size = 0;    ///< bytes
         std::uint64_t number = 0;  ///< inode
     };
@@ -40,7 +40,7 @@ public:
 private:
     std::optional<Content> find(const std::string& path);
     /// The stored hash of a file in this state; zero if there is none.
-    Key stored(const Key& stamp);
+    Hash stored(const Hash& stamp);
 
     Packs stored_;  ///< stamp to hash
     std::mutex mutex_;

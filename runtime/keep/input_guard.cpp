@@ -13,10 +13,10 @@ namespace fluidcarve {
 namespace {
 
 /// Hash of a file's device, inode, size and times; zero if there is no file.
-Key state_of(const std::string& path) {
+Hash state_of(const std::string& path) {
     struct stat file {};
     if (stat(path.c_str(), &file) != 0) return {};
-    return ContentHash().number(file.st_dev).key(stamp_of(file)).digest();
+    return Hasher().number(file.st_dev).hash(stamp_of(file)).digest();
 }
 
 }  // namespace
@@ -26,9 +26,9 @@ InputGuard::InputGuard(Manifest* manifest, const std::vector<std::string>& paths
     tbb::parallel_for(std::size_t{0}, paths.size(), [&](std::size_t n) { require_same(paths[n]); });
 }
 
-Key InputGuard::require_same(const std::string& path) {
+Hash InputGuard::require_same(const std::string& path) {
     const auto now = state_of(path);
-    const auto name = ContentHash().text(path).digest();
+    const auto name = Hasher().text(path).digest();
     const std::lock_guard lock(mutex_);
     if (states_.try_emplace(name, now).first->second != now)
         throw Failure(

@@ -28,12 +28,12 @@ public:
 
 private:
     /// @return the state of the file
-    Key require_same(const std::string& path);
+    Hash require_same(const std::string& path);
 
     Manifest* const manifest_;
     std::mutex mutex_;
-    std::map<Key, Key> states_;  ///< hash of a path to the state of the file at the first look;
-                                 ///< zero: there was no file
+    std::map<Hash, Hash> states_;  ///< hash of a path to the state of the file at the first look;
+                                   ///< zero: there was no file
 };
 
 }  // namespace fluidcarve

@@ -17,10 +17,10 @@ bool among(const std::vector<std::string>* fields, const std::string& name) {
 }
 
 /// Adds type, version and parameters to a hash. @param fields  the parameters to add; null: all
-void describe(ContentHash& hash, const Dependencies::OfNode& of,
+void describe(Hasher& hash, const Dependencies::OfNode& of,
               const std::vector<std::string>* fields) {
     hash.number(key_version).text(of.type).number(static_cast<std::uint64_t>(of.version));
-    if (of.plugin) hash.key(*of.plugin);
+    if (of.plugin) hash.hash(*of.plugin);
     for (const auto& param : of.params)
         if (param.rest && among(fields, param.name)) hash.text(param.name).text(*param.rest);
 }
@@ -42,7 +42,7 @@ Keys::Keys(const Pipeline& pipeline, const Dependencies& dependencies,
     }
 }
 
-void Keys::add_inputs(ContentHash& hash, const Dependencies::OfNode& of, std::size_t place,
+void Keys::add_inputs(Hasher& hash, const Dependencies::OfNode& of, std::size_t place,
                       const std::vector<std::string>* fields, std::optional<bool> per_frame) {
     for (const auto& input : of.inputs) {
         if (!among(fields, input.name)) continue;
@@ -51,18 +51,18 @@ void Keys::add_inputs(ContentHash& hash, const Dependencies::OfNode& of, std::si
         hash.text(input.name)
             .text(input.link_name)
             .text(input.output)
-            .key(result(input.source, place));
+            .hash(result(input.source, place));
     }
 }
 
-Key Keys::digest(std::size_t n, std::size_t place) {
+Hash Keys::digest(std::size_t n, std::size_t place) {
     const std::lock_guard lock(mutex_);
     auto& known = digests_[n][place];
     if (known) return *known;
     const auto& type = *pipeline_.nodes[n].type;
     const auto of = dependencies_.of(n);
     const bool digests = type.digest != typeid(void);
-    ContentHash hash;
+    Hasher hash;
     if (digests) describe(hash.text("digest"), of, &type.digest_fields);
     hash.number(static_cast<std::uint64_t>(dependencies_.frames()[place]));
     add_inputs(hash, of, place, digests ? &type.digest_fields : nullptr,
@@ -71,24 +71,24 @@ Key Keys::digest(std::size_t n, std::size_t place) {
     return *known;
 }
 
-Key Keys::gathered(std::size_t n) {
+Hash Keys::gathered(std::size_t n) {
     const std::lock_guard lock(mutex_);
     auto& known = gathered_[n];
     if (known) return *known;
     const auto of = dependencies_.of(n);
-    ContentHash hash;
+    Hasher hash;
     describe(hash.text("gathered"), of, nullptr);
     for (const auto frame : dependencies_.frames_of(n))
         hash.number(static_cast<std::uint64_t>(frame));
     for (std::size_t place = 0; place < dependencies_.frames().size(); ++place)
-        if (wants_(n, place)) hash.key(digest(n, place));
+        if (wants_(n, place)) hash.hash(digest(n, place));
     add_inputs(hash, of, 0, nullptr, false);
-    hash.key(dependencies_.contents(n, 0));
+    hash.hash(dependencies_.contents(n, 0));
     known = hash.digest();
     return *known;
 }
 
-Key Keys::entry(std::size_t n, std::size_t place) {
+Hash Keys::entry(std::size_t n, std::size_t place) {
     const std::lock_guard lock(mutex_);
     const auto& node = pipeline_.nodes[n];
     if (node.rate != Rate::frame) place = 0;
@@ -97,33 +97,33 @@ Key Keys::entry(std::size_t n, std::size_t place) {
     if (node.rate != Rate::frame && pipeline_.nodes[n].streams_in()) {
         known = gathered(n);
         if (!pipeline_.provenance && pipeline_.writes(n))
-            known = ContentHash().key(*known).text(no_provenance).digest();
+            known = Hasher().hash(*known).text(no_provenance).digest();
         return *known;
     }
     const auto of = dependencies_.of(n);
-    ContentHash hash;
+    Hasher hash;
     describe(hash.text("result"), of, nullptr);
     // Files that state what made them differ from those that do not. The statement itself is not
     // in the key: it follows from values that are in it.
     if (!pipeline_.provenance && pipeline_.writes(n)) hash.text(no_provenance);
     // A body that runs once sees the first frame of the sequence.
     hash.number(static_cast<std::uint64_t>(dependencies_.frames().at(place)));
-    if (pipeline_.nodes[n].streams_in()) hash.key(gathered(n));
+    if (pipeline_.nodes[n].streams_in()) hash.hash(gathered(n));
     else if (node.gathers)
         for (const auto frame : dependencies_.frames_of(n))
             hash.number(static_cast<std::uint64_t>(frame));
     add_inputs(hash, of, place, nullptr, node.retimes() ? std::optional(false) : std::nullopt);
-    hash.key(dependencies_.contents(n, place));
+    hash.hash(dependencies_.contents(n, place));
     known = hash.digest();
     return *known;
 }
 
-Key Keys::result(std::size_t n, std::size_t place) {
+Hash Keys::result(std::size_t n, std::size_t place) {
     const auto& node = pipeline_.nodes[n];
     const auto key = entry(n, place);
     if (!node.type->growth) return key;
-    ContentHash hash;
-    hash.key(key).text(node.type->param(node.type->growth->param)->text(node.params.get()));
+    Hasher hash;
+    hash.hash(key).text(node.type->param(node.type->growth->param)->text(node.params.get()));
     // Results from fewer items than wanted must not serve runs that want all.
     if (takes_fewer(node)) hash.text("best effort");
     return hash.digest();

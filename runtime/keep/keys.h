@@ -22,29 +22,29 @@ public:
 
     /// Key of a node's result for the frame at a place. The place is ignored if the node delivers
     /// once.
-    Key result(std::size_t node, std::size_t place);
+    Hash result(std::size_t node, std::size_t place);
     /// Key of the cache entry with that result. Differs from `result` only for growing results: one
     /// entry serves all counts.
-    Key entry(std::size_t node, std::size_t place);
+    Hash entry(std::size_t node, std::size_t place);
     /// Key of a gathering node's digest of a frame; without a digest, of its inputs in that frame.
-    Key digest(std::size_t node, std::size_t place);
+    Hash digest(std::size_t node, std::size_t place);
     /// Key of a gathering node's state after its last frame.
-    Key gathered(std::size_t node);
+    Hash gathered(std::size_t node);
 
 private:
     /// Adds the keys of a node's inputs to a hash.
     /// @param fields     the inputs to add; null: all
     /// @param per_frame  true: only inputs that arrive per frame; false: only inputs that arrive
     ///   once; nothing: both
-    void add_inputs(ContentHash& hash, const Dependencies::OfNode& of, std::size_t place,
+    void add_inputs(Hasher& hash, const Dependencies::OfNode& of, std::size_t place,
                     const std::vector<std::string>* fields, std::optional<bool> per_frame);
 
     const Pipeline& pipeline_;
     const Dependencies& dependencies_;
     const std::function<bool(std::size_t, std::size_t)> wants_;
     std::recursive_mutex mutex_;
-    std::vector<std::vector<std::optional<Key>>> entries_, digests_;  ///< `[node][place]`
-    std::vector<std::optional<Key>> gathered_;
+    std::vector<std::vector<std::optional<Hash>>> entries_, digests_;  ///< `[node][place]`
+    std::vector<std::optional<Hash>> gathered_;
 };
 
 }  // namespace fluidcarve

@@ -55,7 +55,7 @@ std::string unescaped(std::string_view text) {
 
 /// Adds the file of a line to the entries. @return the fault of the line; empty: none
 std::string add_line(std::string_view line, Manifest::Entries& entries) {
-    const auto hash = Key::parse(line.substr(0, hash_digits));
+    const auto hash = Hash::parse(line.substr(0, hash_digits));
     if (!hash) return fmt::format("it does not begin with a hash of {} hex digits", hash_digits);
     line.remove_prefix(hash_digits);
     std::uint64_t size = 0;
@@ -109,7 +109,7 @@ std::string to_text(const Manifest::Entries& entries) {
 
 Manifest::Entry read_entry(const std::string& path) {
     const InputFile file(path, {.what = "an input"});
-    ContentHash hash;
+    Hasher hash;
     std::vector<char> buffer(std::size_t{1} << 20);
     for (std::uint64_t at = 0; at < file.size();) {
         const auto bytes =

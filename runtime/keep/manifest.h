@@ -12,12 +12,12 @@ namespace fluidcarve {
 
 /// The file of `run --manifest` (runtime/README.md), which lists the content of input files. It
 /// detects a file that rotted on disk or was replaced, but not a forged one: hashes are those of
-/// ContentHash. Thread-safe.
+/// Hasher. Thread-safe.
 class Manifest {
 public:
     /// The entry of a file in a manifest.
     struct Entry {
-        Key hash;  ///< of all bytes
+        Hash hash;  ///< of all bytes
         std::uint64_t size = 0;
         bool operator==(const Entry&) const = default;
     };

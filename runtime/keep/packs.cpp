@@ -31,14 +31,14 @@ constexpr std::size_t name_digits = 32;
 /// The head of each record, before its bytes. A pack consists of records.
 struct RecordHead {
     std::array<char, 16> magic;
-    Key key;
+    Hash key;
     std::uint64_t size, written;  ///< as in Packs::Place
-    Key sum;                      ///< of the bytes
-    Key seal;                     ///< checksum of all members before
+    Hash sum;                     ///< of the bytes
+    Hash seal;                    ///< checksum of all members before
 };
 static_assert(sizeof(RecordHead) == 16 + 16 + 8 + 8 + 16 + 16);
 
-Key sum_of(const void* data, std::size_t size) { return ContentHash().bytes(data, size).digest(); }
+Hash sum_of(const void* data, std::size_t size) { return Hasher().bytes(data, size).digest(); }
 
 bool is_whole(const RecordHead& head) {
     return std::string_view(head.magic.data(), head.magic.size()) == pack_magic &&
@@ -59,14 +59,14 @@ std::uint64_t nanoseconds_now() {
 std::string random_name() {
     std::random_device random;
     const auto number = [&] { return std::uint64_t{random()} << 32 | random(); };
-    return Key{number(), number() | 1}.text();
+    return Hash{number(), number() | 1}.text();
 }
 
 }  // namespace
 
 Packs::~Packs() { end_own(); }
 
-std::optional<std::vector<char>> Packs::read(const Key& key) {
+std::optional<std::vector<char>> Packs::read(const Hash& key) {
     std::unique_lock lock(mutex_);
     scan();
     const auto found = places_.find(key);
@@ -98,7 +98,7 @@ void Packs::look_again() {
     scanned_ = false;
 }
 
-void Packs::add(const Key& key, std::span<const char> bytes) {
+void Packs::add(const Hash& key, std::span<const char> bytes) {
     if (folder_.empty() || bytes.empty()) return;
     const std::lock_guard lock(mutex_);
     scan();
@@ -139,12 +139,12 @@ void Packs::finish() {
                                   std::strerror(errno)));
 }
 
-void Packs::drop(const Key& key) {
+void Packs::drop(const Hash& key) {
     const std::lock_guard lock(mutex_);
     if (const auto found = places_.find(key); found != places_.end()) found->second.size = 0;
 }
 
-void Packs::touch(const Key& key) {
+void Packs::touch(const Hash& key) {
     const std::lock_guard lock(mutex_);
     const auto found = places_.find(key);
     if (found == places_.end() || found->second.size == 0) return;
@@ -171,7 +171,7 @@ void Packs::note(const std::string& path, int error) {
 
 bool Packs::is_name(std::string_view name) {
     const auto digits = name.substr(0, name_digits), ending = name.substr(digits.size());
-    return Key::parse(digits) && (ending == closed || ending == opened);
+    return Hash::parse(digits) && (ending == closed || ending == opened);
 }
 
 bool Packs::is_pack(const fs::path& file) { return begins_with(file, pack_magic); }

@@ -36,20 +36,20 @@ public:
 
     /// The newest record of a key, with every byte intact; nothing if there is none, or it is
     /// damaged. Records that other processes append after the first call may stay unseen.
-    std::optional<std::vector<char>> read(const Key& key);
+    std::optional<std::vector<char>> read(const Hash& key);
     /// Makes the next call find what other processes have appended since. This process then
     /// appends to another pack.
     void look_again();
     /// Appends a record, which takes the place of earlier ones of its key.
     /// @throws Failure if it can't be written
-    void add(const Key& key, std::span<const char> bytes);
+    void add(const Hash& key, std::span<const char> bytes);
     /// Closes the pack that this process appends to.
     /// @throws Failure if the system has lost a part of it
     void finish();
     /// Treats the record of a key as missing until another is added.
-    void drop(const Key& key);
+    void drop(const Hash& key);
     /// Marks the pack with the record of a key as used now, once for each pack.
-    void touch(const Key& key);
+    void touch(const Hash& key);
     /// Number of damaged records that `read` found.
     std::size_t damaged() const;
     /// Why existing records may not be found: the first error of the system, with the path. Empty:
@@ -72,11 +72,11 @@ private:
         std::size_t pack = 0;
         std::uint64_t offset = 0, size = 0;  ///< bytes; a size of 0: it was dropped
         std::uint64_t written = 0;  ///< ns since 1970, and later than the record that it replaced
-        Key sum;                    ///< checksum
+        Hash sum;                   ///< checksum
     };
 
     struct HashOfKey {
-        std::size_t operator()(const Key& key) const { return key.low; }
+        std::size_t operator()(const Hash& key) const { return key.low; }
     };
 
     std::string path_of(const Pack& pack, const char* ending) const {
@@ -99,7 +99,7 @@ private:
     mutable std::mutex mutex_;
     bool scanned_ = false;
     std::vector<Pack> packs_;
-    std::unordered_map<Key, Place, HashOfKey> places_;
+    std::unordered_map<Hash, Place, HashOfKey> places_;
     std::size_t own_ = 0;  ///< the pack that this process appends to
     int own_file_ = -1;    ///< below 0: none
     std::size_t damaged_ = 0;

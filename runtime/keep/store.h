@@ -66,7 +66,7 @@ public:
 
 private:
     /// Key of the cache entry of a result.
-    Key key(std::size_t node, std::size_t place) { return keys_.entry(node, place); }
+    Hash key(std::size_t node, std::size_t place) { return keys_.entry(node, place); }
     struct Whole {
         std::vector<Payload> outputs;
         NodeLog log;

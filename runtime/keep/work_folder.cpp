@@ -56,7 +56,7 @@ std::vector<fs::path> files_in(const fs::path& folder, int depth) {
     return out;
 }
 
-/// Files named by a key (Key::path); temporary files are not.
+/// Files named by a key (Hash::path); temporary files are not.
 std::vector<fs::path> hashed_files(const fs::path& folder) {
     auto out = files_in(folder, 1);
     std::erase_if(out, [](const fs::path& file) { return !is_hex(file.filename().string(), 30); });
@@ -85,7 +85,7 @@ bool is_file_hash(const fs::path& file) {
     std::string text, seal, more;
     std::istringstream in(text_of_own_file(file));
     in >> text >> seal;
-    return Key::parse(text) && Key::parse(seal) && !(in >> more);
+    return Hash::parse(text) && Hash::parse(seal) && !(in >> more);
 }
 
 /// Whether a file is of the form of History (`history`) or StatusFile (`runs`).

@@ -70,7 +70,7 @@ void read_records(const std::string&) {
 
 void read_pack(const std::string& path) {
     Packs packs(std::filesystem::path(path).parent_path().string());
-    packs.read(Key{1, 1});
+    packs.read(Hash{1, 1});
 }
 
 constexpr std::uint64_t budget = std::uint64_t{64} << 20;  ///< bytes of a volume

@@ -54,8 +54,8 @@ TEST_CASE("nothing is kept for a key of nothing, nor without a folder") {
     const Scratch scratch;
     const auto registry = toy::registry();
     Cache cache(registry, scratch.path());
-    CHECK(cache.store(Key{}, {}, {number(1)}));
-    CHECK_FALSE(cache.load(Key{}));
+    CHECK(cache.store(Hash{}, {}, {number(1)}));
+    CHECK_FALSE(cache.load(Hash{}));
     CHECK_FALSE(fs::exists(scratch / "cache"));
     Cache none(registry, "");
     CHECK(none.store(key_of(1), {}, {number(1)}));

@@ -20,10 +20,10 @@ void age(const std::string& file) {
     utimensat(AT_FDCWD, file.c_str(), times, 0);
 }
 
-Key file_key(const std::string& file, const std::string& folder = {}) {
+Hash file_key(const std::string& file, const std::string& folder = {}) {
     FileHashes files(folder);
     const auto content = files.of(file);
-    return content ? content->key : Key{};
+    return content ? content->key : Hash{};
 }
 
 std::size_t remembered(const std::string& folder) {
@@ -77,7 +77,7 @@ TEST_CASE(
     const auto folder = scratch / "files";
     fs::create_directory(scratch / "in");
     std::vector<std::string> all;
-    std::vector<Key> keys;
+    std::vector<Hash> keys;
     for (int n = 0; n < 50; ++n)
         all.push_back(scratch.write("in/" + std::to_string(n), "content " + std::to_string(n)));
     std::this_thread::sleep_for(std::chrono::milliseconds(2100));  // as long as files count as new
@@ -107,13 +107,12 @@ TEST_CASE("a run knows a file as it first read it, until it asks anew") {
 }
 
 TEST_CASE("keys are written as 32 digits and read back, and anything else is a key of nothing") {
-    const auto key = ContentHash().text("a").digest();
+    const auto key = Hasher().text("a").digest();
     CHECK(key.text().size() == 32);
-    CHECK(Key::parse(key.text()) == key);
+    CHECK(Hash::parse(key.text()) == key);
     for (const auto* const text :
          {"", "0", "zz", "0123456789abcdef0123456789abcdeg", "0123456789abcdef0123456789abcdef0"})
-        CHECK_FALSE(Key::parse(text));
-    CHECK(ContentHash().text("ab").text("c").digest() !=
-          ContentHash().text("a").text("bc").digest());
-    CHECK_FALSE(ContentHash().text("a").key(Key{}).digest());
+        CHECK_FALSE(Hash::parse(text));
+    CHECK(Hasher().text("ab").text("c").digest() != Hasher().text("a").text("bc").digest());
+    CHECK_FALSE(Hasher().text("a").hash(Hash{}).digest());
 }

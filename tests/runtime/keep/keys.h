@@ -5,8 +5,8 @@
 namespace fluidcarve::test {
 
 /// A key of its own for each number.
-inline Key key_of(int number) {
-    return ContentHash().number(static_cast<std::uint64_t>(number)).digest();
+inline Hash key_of(int number) {
+    return Hasher().number(static_cast<std::uint64_t>(number)).digest();
 }
 
 }  // namespace fluidcarve::test

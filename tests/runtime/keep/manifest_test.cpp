@@ -158,11 +158,11 @@ TEST_CASE(
     const Listed listed;
     const auto file = listed.scratch.write("new", "smoke");
     Manifest manifest(listed.path);
-    manifest.require(file, {Key{1, 2}, 5});
+    manifest.require(file, {Hash{1, 2}, 5});
     CHECK_THROWS_WITH(manifest.require(file),
                       Catch::StartsWith(file + " is not the file that earlier runs knew") &&
                           Catch::Contains("its hash differs"));
-    CHECK_THROWS_WITH(manifest.require(listed.scratch / "rig.txt", {Key{1, 2}, 5}),
+    CHECK_THROWS_WITH(manifest.require(listed.scratch / "rig.txt", {Hash{1, 2}, 5}),
                       Catch::Contains(" is not the file that the manifest "));
 }
 
