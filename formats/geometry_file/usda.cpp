@@ -128,16 +128,19 @@ bool UsdGeometry::add_primvar(std::string_view name, std::string_view interpolat
     return true;
 }
 
-void UsdGeometry::add_positions(const std::vector<double>& values) {
-    add({"point3f", "points", {}, 3}, values);
-    if (values.empty()) return;
-    std::vector<double> extent(values.begin(), values.begin() + 3);
-    extent.insert(extent.end(), values.begin(), values.begin() + 3);
-    for (std::size_t n = 0; n < values.size(); ++n) {
-        extent[n % 3] = std::min(extent[n % 3], values[n]);
-        extent[3 + n % 3] = std::max(extent[3 + n % 3], values[n]);
+void UsdGeometry::add_positions(const std::vector<openvdb::Vec3d>& points,
+                                const Placement* placement) {
+    std::vector<double> values;
+    openvdb::BBoxd box;
+    for (const auto& point : points) {
+        const auto at = placement ? (point - placement->translate) / placement->scale : point;
+        values.insert(values.end(), {at.x(), at.y(), at.z()});
+        box.expand(at);
     }
-    add({"float3", "extent", {}, 3}, extent);
+    add({"point3f", "points", {}, 3}, values);
+    if (points.empty()) return;
+    const auto &low = box.min(), &high = box.max();
+    add({"float3", "extent", {}, 3}, {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()});
 }
 
 void write_usda(const std::string& path, std::string_view text, const Provenance& provenance) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/volume/stored_form.h"
 #include "formats/file/provenance.h"
 #include "formats/geometry_file/ply.h"
 
@@ -63,8 +64,10 @@ public:
     /// @return false if USD has no type for elements of so many parts
     bool add_primvar(std::string_view name, std::string_view interpolation, std::size_t parts,
                      NumberType number, const std::vector<double>& values);
-    /// Adds the positions of points or vertices, and their extent. @param values  x, y, z of each
-    void add_positions(const std::vector<double>& values);
+    /// Adds the positions of points or vertices, and their extent.
+    /// @param placement  that of their reader, to be undone; null: none
+    void add_positions(const std::vector<openvdb::Vec3d>& points,
+                       const Placement* placement = nullptr);
 
     /// Whether there is an array of this name.
     bool has(const std::string& name) const { return names_.contains(name); }

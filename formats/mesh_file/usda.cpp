@@ -64,14 +64,10 @@ std::vector<std::string> write_mesh_usda(const std::string& path, const Mesh& me
     lines_for(mesh, "usda", losses);
     UsdGeometry out("Mesh", frame);
     out.add("uniform token subdivisionScheme = \"none\"");
-    Entries positions, counts;
-    for (const auto& point : mesh.points) {
-        const auto at = placement ? (point - placement->translate) / placement->scale : point;
-        positions.insert(positions.end(), {at.x(), at.y(), at.z()});
-    }
+    Entries counts;
     for (std::size_t n = 0; n < mesh.faces(); ++n)
         counts.push_back(static_cast<double>(mesh.face(n).size()));
-    out.add_positions(positions);
+    out.add_positions(mesh.points, placement);
     out.add({"int", "faceVertexCounts", {}, 1, NumberType::int32}, counts);
     out.add({"int", "faceVertexIndices", {}, 1, NumberType::int32},
             {mesh.corners.begin(), mesh.corners.end()});

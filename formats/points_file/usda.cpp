@@ -79,14 +79,7 @@ UsdPointsUnsaid write_points_usda(const std::string& path, const Points& points,
                                   const UsdPointsRequest& request) {
     UsdPointsUnsaid unsaid;
     UsdGeometry out("Points", request.frame);
-    std::vector<double> positions;
-    for (const auto& point : points.positions()) {
-        const auto at = request.placement
-                            ? (point - request.placement->translate) / request.placement->scale
-                            : point;
-        positions.insert(positions.end(), {at.x(), at.y(), at.z()});
-    }
-    out.add_positions(positions);
+    out.add_positions(points.positions(), request.placement);
     const auto columns = points.ply ? *points.ply : ply_of(*points.grid, unsaid.attributes);
     const auto put_width = [&](double width) { out.add({"float", "widths", "constant"}, {width}); };
     if (request.width) put_width(*request.width);

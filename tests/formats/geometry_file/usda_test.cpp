@@ -35,7 +35,7 @@ TEST_CASE("texts and files of USD are quoted, whatever is in them") {
 TEST_CASE("a file of geometry holds its arrays at all times, or at those of one frame") {
     UsdGeometry still("Mesh", std::nullopt);
     still.add("uniform token subdivisionScheme = \"none\"");
-    still.add_positions({0, 0, 0, 1, static_cast<double>(0.1f), -2});
+    still.add_positions({openvdb::Vec3d(0), openvdb::Vec3d(1, static_cast<double>(0.1f), -2)});
     still.add({"texCoord2f", "primvars:st", "faceVarying", 2}, {0, 0.5});
     CHECK(still.text() == R"(#usda 1.0
 (
