@@ -2,6 +2,7 @@
 
 #include "carve/base/words.h"
 #include "graph/frames_of_inputs.h"
+#include "graph/old_files.h"
 #include "graph/outlooks.h"
 #include "graph/pipeline_builder.h"
 #include "graph/promises.h"

@@ -32,8 +32,4 @@ std::string holes_in(const FrameSet& frames);
 /// A note naming files that look like frames of an input, but are not; empty if there are none.
 std::string note_on_odd_frames(const PathPattern& input);
 
-/// Adds notes to a pipeline about output files that its sequence does not write, such as those of
-/// an earlier run.
-void note_old_files(Pipeline& pipeline);
-
 }  // namespace fluidcarve

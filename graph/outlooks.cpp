@@ -8,7 +8,7 @@ namespace fluidcarve {
 namespace {
 
 /// Facts about all outputs, by node and output.
-struct Known {
+struct KnownOutputs {
     std::map<std::pair<std::size_t, std::size_t>, Region> regions;
     std::map<std::size_t, OutputFacts> facts;  ///< by node
 };
@@ -16,7 +16,8 @@ struct Known {
 /// The facts that one node gets about its inputs, and states about its outputs.
 class OutlookOf : public Outlook {
 public:
-    OutlookOf(std::size_t index, const Pipeline& pipeline, const Known& known, Outlooks& said)
+    OutlookOf(std::size_t index, const Pipeline& pipeline, const KnownOutputs& known,
+              Outlooks& said)
         : index_(index), said_(said) {
         const auto& node = pipeline.nodes[index];
         frames_ = node.input_frames.frames().size();
@@ -70,7 +71,8 @@ private:
         std::vector<OutputFacts> facts;
     };
 
-    static std::optional<Region> together(const std::vector<Link>& links, const Known& known) {
+    static std::optional<Region> together(const std::vector<Link>& links,
+                                          const KnownOutputs& known) {
         Region out;
         for (const auto& link : links) {
             const auto found = known.regions.find({link.node, link.output});
@@ -90,7 +92,7 @@ private:
 };
 
 /// Adds the regions of a node's outputs, which a reader stated by name.
-void take_regions(std::size_t n, const Node& node, const auto& read, Known& known) {
+void take_regions(std::size_t n, const Node& node, const auto& read, KnownOutputs& known) {
     for (std::size_t output = 0; output < node.outputs.size(); ++output)
         if (const auto found = read.find(node.outputs[output].name); found != read.end())
             known.regions[{n, output}] = found->second;
@@ -101,7 +103,7 @@ void take_regions(std::size_t n, const Node& node, const auto& read, Known& know
 Outlooks foresee(const Pipeline& pipeline, const std::vector<bool>& needed,
                  const ReadRegions& read) {
     Outlooks out;
-    Known known;
+    KnownOutputs known;
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         if (!needed[n]) continue;

@@ -119,7 +119,7 @@ struct CurvesWrite {
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
-        const std::array every{params.every.value_or(every_by_default(io.seams->lateral())),
+        const std::array every{params.every.value_or(every_by_default(io.seams->laterals())),
                                params.every.value_or(every_by_default(io.seams->slices()))};
         write_seam_curves(params.path.at(context.frame()),
                           seam_curves(*io.lattice, *io.seams, context.frame(), every),

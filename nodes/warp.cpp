@@ -177,7 +177,7 @@ struct WarpSolve {
     }
     static ItemCount item_count(const Payload& result) {
         const auto set = result.as<Seams>();
-        const auto of = static_cast<std::size_t>(set->carved());
+        const auto of = static_cast<std::size_t>(set->before());
         if (!set->warp) return {Reach::nothing, of};
         if (!set->warp->linear()) return {Reach::one_amount, of};
         const bool paired = set->pair_window.has_value();

@@ -19,13 +19,16 @@ const std::string unique_part(6, 'X');
 
 }  // namespace
 
+Failure no_room_for_scratch(const std::string& folder, const std::string& what, std::size_t bytes,
+                            int code) {
+    return Failure(fmt::format(
+        "{}{} exceed the memory budget and can't be stored in the work folder '{}': {}; raise "
+        "--memory or choose another --work",
+        bytes > 0 ? size_text(bytes) + " of " : "", what, folder, std::strerror(code)));
+}
+
 int scratch_file(const std::string& folder, const std::string& what, std::size_t bytes) {
-    const auto fault = [&](int code) {
-        return Failure(fmt::format(
-            "{}{} exceed the memory budget and can't be stored in the work folder '{}': {}; raise "
-            "--memory or choose another --work",
-            bytes > 0 ? size_text(bytes) + " of " : "", what, folder, std::strerror(code)));
-    };
+    const auto fault = [&](int code) { return no_room_for_scratch(folder, what, bytes, code); };
     std::error_code ignored;
     std::filesystem::create_directories(folder, ignored);
     auto path = folder + "/frames." + unique_part;

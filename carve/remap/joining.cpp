@@ -31,7 +31,7 @@ Join join_of(const JoinParams& params, bool thick) {
 }  // namespace
 
 Softness softness_of(const JoinParams& params, const Seams& seams) {
-    const int size = seams.carved(),
+    const int size = seams.before(),
               slabs =
                   static_cast<int>(seams.size() + static_cast<std::size_t>(seams.thickness) - 1) /
                   seams.thickness;

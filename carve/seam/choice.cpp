@@ -27,7 +27,7 @@ constexpr Softness softness{3, 0};      ///< the default of carves
 /// third of the lattice's vertices holds, since more would show repeats side by side.
 std::size_t most_of(const Seams& set) {
     if (!set.thick() || set.kind == Seams::Kind::remove) return set.size();
-    const int third = set.carved() / 3;
+    const int third = set.before() / 3;
     return std::min(set.size(), static_cast<std::size_t>(third - third % set.thickness));
 }
 
@@ -52,11 +52,11 @@ struct Plane {
 /// Planes at even distances, the middle rows of each.
 std::vector<Plane> planes_of(const Seams& set, const Lattice& lattice, const FloatGrid& field) {
     const int slices = set.slices(), count = std::min(slices, most_planes),
-              rows = std::min(set.lateral(), most_rows);
+              rows = std::min(set.laterals(), most_rows);
     std::vector<Plane> out;
     for (int n = 0; n < count; ++n)
-        out.push_back({(2 * n + 1) * slices / (2 * count), (set.lateral() - rows) / 2,
-                       PlaneSamples(set.carved(), rows)});
+        out.push_back({(2 * n + 1) * slices / (2 * count), (set.laterals() - rows) / 2,
+                       PlaneSamples(set.before(), rows)});
     tbb::parallel_for(std::size_t{0}, out.size(), [&](std::size_t n) {
         auto& [slice, first_row, source] = out[n];
         const openvdb::tools::GridSampler<FloatGrid, openvdb::tools::BoxSampler> sample(field);
@@ -112,7 +112,7 @@ SeamChoice::SeamChoice(Ref<Seams> seams)
 void SeamChoice::add(const Lattice& lattice, const FloatGrid& field, int frame) {
     if (seams_->size() == 0) return;
     const auto& set = *seams_;
-    const int all = static_cast<int>(set.size()), after = set.carved() + growth(set.kind, all);
+    const int all = static_cast<int>(set.size()), after = set.before() + growth(set.kind, all);
     const auto planes = planes_of(set, lattice, field);
     float highest = 0;
     for (const auto& plane : planes)

@@ -30,7 +30,7 @@ Window Seams::warped() const {
     constexpr double none = 1e-4;
     const auto first = warp->scaled(warp->bounds().first), last = warp->scaled(warp->bounds().last);
     return {static_cast<int>(std::floor(first.least + none)),
-            carved() - 1 + static_cast<int>(std::ceil(last.most - none))};
+            before() - 1 + static_cast<int>(std::ceil(last.most - none))};
 }
 
 void Seams::find_shifts() {

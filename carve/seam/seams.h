@@ -58,27 +58,27 @@ struct Seams {
     /// lie above all `seams`. Their entries are counted as if the other window had no seams.
     std::vector<Seam> pairs;
     /// It has warp_vertices() and warp_rings(); find_bounds() and, without a pair window,
-    /// hold(anchor) have been called. `kind` does not apply to it.
+    /// anchor_at(anchor) have been called. `kind` does not apply to it.
     std::optional<Warp> warp;
 
     /// Number of seams; 1 for a warp.
     std::size_t size() const { return warp ? 1 : seams.size(); }
     bool in_time() const { return axis == Axis::t; }  ///< whether they are seams of frames
-    /// Vertices along the carved axis; for seams of frames, the number of frames.
-    int carved() const {
+    /// Vertices along the axis before the carve; for seams of frames, the number of frames.
+    int before() const {
         return in_time() ? static_cast<int>(frames.size()) : shape[dimension(axis)];
     }
-    int lateral() const { return shape[lateral_dimension(axis)]; }
+    int laterals() const { return shape[lateral_dimension(axis)]; }
     int slices() const { return shape[slice_dimension(axis)]; }
     /// Whether the last slice is followed by the first.
     bool slices_close() const { return closed && axis != Axis::w; }
     /// The vertices that seams may take if no window is stated. Around a rig they leave out the rig
     /// itself, where all columns meet.
-    Window whole_window() const { return {around && !in_time() ? 1 : 0, carved() - 1}; }
-    std::array<int, 3> warp_vertices() const { return {carved(), lateral(), slices()}; }
+    Window whole_window() const { return {around && !in_time() ? 1 : 0, before() - 1}; }
+    std::array<int, 3> warp_vertices() const { return {before(), laterals(), slices()}; }
     Warp::Rings warp_rings() const { return {around, slices_close()}; }
     std::size_t columns_per_frame() const {
-        return static_cast<std::size_t>(lateral()) * static_cast<std::size_t>(slices());
+        return static_cast<std::size_t>(laterals()) * static_cast<std::size_t>(slices());
     }
     /// Number of groups of columns_per_frame() columns in a seam: one per frame; for seams of
     /// frames, one per vertex along u.

@@ -166,24 +166,25 @@ private:
     std::vector<std::span<const char>> leaves_;
 };
 
-struct Known {
+struct KnownTree {
     std::string type;
     TreeFormat::Leaves leaves;
     std::size_t value_bytes, half_bytes;
 };
 
-const Known* known_tree(const std::string& type) {
+const KnownTree* known_tree(const std::string& type) {
     using Leaves = TreeFormat::Leaves;
-    static const std::vector<Known> all{{openvdb::FloatTree::treeType(), Leaves::values, 4, 2},
-                                        {openvdb::DoubleTree::treeType(), Leaves::values, 8, 2},
-                                        {openvdb::Vec3STree::treeType(), Leaves::values, 12, 6},
-                                        {openvdb::Vec3DTree::treeType(), Leaves::values, 24, 6},
-                                        {openvdb::Int32Tree::treeType(), Leaves::values, 4, 4},
-                                        {openvdb::Int64Tree::treeType(), Leaves::values, 8, 8},
-                                        {openvdb::Vec3ITree::treeType(), Leaves::values, 12, 12},
-                                        {openvdb::BoolTree::treeType(), Leaves::bools, 1, 1},
-                                        {openvdb::MaskTree::treeType(), Leaves::masks, 1, 1},
-                                        {"Tree_ptdataidx32_5_4_3", Leaves::point_data, 4, 4}};
+    static const std::vector<KnownTree> all{
+        {openvdb::FloatTree::treeType(), Leaves::values, 4, 2},
+        {openvdb::DoubleTree::treeType(), Leaves::values, 8, 2},
+        {openvdb::Vec3STree::treeType(), Leaves::values, 12, 6},
+        {openvdb::Vec3DTree::treeType(), Leaves::values, 24, 6},
+        {openvdb::Int32Tree::treeType(), Leaves::values, 4, 4},
+        {openvdb::Int64Tree::treeType(), Leaves::values, 8, 8},
+        {openvdb::Vec3ITree::treeType(), Leaves::values, 12, 12},
+        {openvdb::BoolTree::treeType(), Leaves::bools, 1, 1},
+        {openvdb::MaskTree::treeType(), Leaves::masks, 1, 1},
+        {"Tree_ptdataidx32_5_4_3", Leaves::point_data, 4, 4}};
     const auto found =
         std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.type == type; });
     return found == all.end() ? nullptr : &*found;

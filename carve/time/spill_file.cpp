@@ -14,10 +14,7 @@ SpillFile::Place SpillFile::add(std::string_view bytes) {
     if (file_.number < 0) file_.number = scratch_file(folder_, "frames", 0);
     const Place out{end_, bytes.size()};
     if (!write_at(file_.number, out.begin, bytes.data(), out.size))
-        throw Failure(
-            fmt::format("frames exceed the memory budget and can't be stored in the work "
-                        "folder '{}': {}; raise --memory or choose another --work",
-                        folder_, std::strerror(errno)));
+        throw no_room_for_scratch(folder_, "frames", 0, errno);
     end_ += out.size;
     return out;
 }

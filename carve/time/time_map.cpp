@@ -24,7 +24,7 @@ Seams along_u(const Seams& seams) {
     auto out = seams;
     out.axis = Axis::u;
     out.around = false;
-    out.shape = {seams.carved(), seams.lateral(), seams.slices()};
+    out.shape = {seams.before(), seams.laterals(), seams.slices()};
     out.frames.assign(seams.layers(), 0);
     return out;
 }
@@ -93,8 +93,8 @@ TimeMap::TimeMap(const Seams& seams, const Lattice& lattice, std::size_t count,
                  const TimeJoin& join)
     : shape_(seams.shape),
       mapping_(required(seams, lattice)),
-      frames_(seams.carved() + (seams.paired() ? 0 : growth(seams.kind, static_cast<int>(count)))),
-      source_frames_(seams.carved()),
+      frames_(seams.before() + (seams.paired() ? 0 : growth(seams.kind, static_cast<int>(count)))),
+      source_frames_(seams.before()),
       join_(join),
       closed_(seams.closed),
       around_(seams.around) {

@@ -11,9 +11,8 @@ namespace fluidcarve {
 
 /// By how much a warp makes a lattice longer along its axis: a number of vertices, which need not
 /// be whole, or a percentage of the vertices along the axis, or of the visible content there.
-/// Negative makes it shorter. A curve
-/// (METHOD 11 "Ramps") states other amounts at other planes or frames; a file may state another
-/// curve along the lattice for each of several frames.
+/// Negative makes it shorter. A curve (METHOD 11 "Ramps") states other amounts at other planes or
+/// frames; a file may state one curve along the lattice for each of several frames.
 struct WarpAmount {
     struct Length {
         double value = 0;

@@ -41,7 +41,7 @@ public:
         : lattice_(lattice),
           seams_(seams),
           t_(t),
-          laterals_(lined_vertices(seams.lateral(), every[0])),
+          laterals_(lined_vertices(seams.laterals(), every[0])),
           slices_(lined_vertices(seams.slices(), every[1])) {}
 
     std::vector<SeamCurves> find() {
@@ -49,7 +49,7 @@ public:
         const std::size_t step = seams_.paired() ? 2 : 1;
         for (std::size_t n = 0; n < out.size(); ++n) out[n].colour = colour_of(n / step);
         for (int k = 0; k < seams_.slices(); ++k)
-            for (int lateral = 0; lateral < seams_.lateral(); ++lateral) {
+            for (int lateral = 0; lateral < seams_.laterals(); ++lateral) {
                 const bool across = std::ranges::binary_search(slices_, k),
                            along = std::ranges::binary_search(laterals_, lateral);
                 if (!across && !along) continue;
@@ -65,7 +65,7 @@ public:
 private:
     std::size_t column(int lateral, int k) const {
         return static_cast<std::size_t>(lateral) +
-               static_cast<std::size_t>(seams_.lateral()) * static_cast<std::size_t>(k);
+               static_cast<std::size_t>(seams_.laterals()) * static_cast<std::size_t>(k);
     }
 
     /// Adds the vertices of all seams of a window in a column.
@@ -88,7 +88,7 @@ private:
     std::vector<std::array<std::uint32_t, 2>> edges_between() const {
         std::vector<std::array<std::uint32_t, 2>> out;
         for (const int k : slices_)
-            for (int lateral = 0; lateral + 1 < seams_.lateral(); ++lateral)
+            for (int lateral = 0; lateral + 1 < seams_.laterals(); ++lateral)
                 out.push_back({number_[column(lateral, k)], number_[column(lateral + 1, k)]});
         for (const int lateral : laterals_) {
             for (int k = 0; k + 1 < seams_.slices(); ++k)

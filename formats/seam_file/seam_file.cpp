@@ -39,7 +39,7 @@ void each_column(const Seams& seams, Visit&& visit) {
     std::size_t column = 0;
     for (int layer = 0; layer < static_cast<int>(seams.layers()); ++layer)
         for (int slice = 0; slice < seams.slices(); ++slice)
-            for (int lateral = 0; lateral < seams.lateral(); ++lateral)
+            for (int lateral = 0; lateral < seams.laterals(); ++lateral)
                 visit(place_of(seams, lateral, slice, layer), column++);
 }
 
@@ -135,7 +135,7 @@ void require_columns(const SeamGrids& grids, const Seams& seams) {
     const auto all = grids.all();
     const auto columns = seams.columns();
     const openvdb::CoordBBox wanted(Coord(0),
-                                    place_of(seams, seams.lateral() - 1, seams.slices() - 1,
+                                    place_of(seams, seams.laterals() - 1, seams.slices() - 1,
                                              static_cast<int>(seams.layers()) - 1));
     std::set<const FloatGrid::TreeType*> trees;
     std::uint64_t held = 0;
@@ -179,7 +179,7 @@ public:
         // A removal is an index among the entries that its predecessors leave. The last entry can't
         // be doubled.
         const int highest =
-            seams_.carved() - 1 - (kind == Seams::Kind::remove ? static_cast<int>(n) : 1);
+            seams_.before() - 1 - (kind == Seams::Kind::remove ? static_cast<int>(n) : 1);
         auto& tree = trees_[&grid.tree()];
         if (tree.entries.size() == 0 || tree.highest > highest) tree = read_tree(grid, highest);
         return {tree.entries, energy->value()};
@@ -216,7 +216,8 @@ private:
         const auto row =
             static_cast<std::size_t>(layer) * static_cast<std::size_t>(seams_.slices()) +
             static_cast<std::size_t>(slice);
-        return row * static_cast<std::size_t>(seams_.lateral()) + static_cast<std::size_t>(lateral);
+        return row * static_cast<std::size_t>(seams_.laterals()) +
+               static_cast<std::size_t>(lateral);
     }
 
     const Seams& seams_;
@@ -230,7 +231,7 @@ void require_distinct(const Seams& seams, const std::vector<Seams::Seam>& insert
     if (insertions.empty())
         return;  // a file of a kilobyte may state so many columns that visiting them takes a
                  // minute
-    std::vector<bool> taken(static_cast<std::size_t>(seams.carved()));
+    std::vector<bool> taken(static_cast<std::size_t>(seams.before()));
     each_column(seams, [&](const Coord& at, std::size_t column) {
         for (std::size_t n = 0; n < insertions.size(); ++n) {
             const auto entry = insertions[n].at[column];
@@ -326,8 +327,8 @@ Seams seams_from_volume(const Volume& volume) {
         return out;
     }
     const auto grids = grids_of(volume);
-    if (const auto count = static_cast<int>(grids.seams.size()); count > out.carved())
-        throw wrong_seams(fmt::format("{} seams do not fit {} vertices", count, out.carved()));
+    if (const auto count = static_cast<int>(grids.seams.size()); count > out.before())
+        throw wrong_seams(fmt::format("{} seams do not fit {} vertices", count, out.before()));
     out.kind = kind_of(grids);
     require_columns(grids, out);
     EntriesReader entries(out);

@@ -184,8 +184,8 @@ Seams seams_of_texts(const openvdb::MetaMap& metadata) {
     out.window = read_window(metadata, "fluidcarve_window", out.whole_window());
     out.pair_window = read_window(metadata, "fluidcarve_pair_window", out.whole_window());
     out.pair_below = read_window(metadata, "fluidcarve_pair_below", out.whole_window());
-    out.anchor = read_anchor(metadata, out.carved());
-    out.thickness = read_thickness(metadata, out.carved());
+    out.anchor = read_anchor(metadata, out.before());
+    out.thickness = read_thickness(metadata, out.before());
     if (out.around && ((out.axis != Axis::u && !out.in_time()) || out.anchor != Anchor{}))
         throw wrong_seams(
             "'fluidcarve_around' is true, but seams around a rig are carved along u, and the rig "

@@ -137,7 +137,7 @@ private:
         if (const auto& seams = frames_.front().seams; !seams.empty())
             out.count =
                 params.count
-                    ? static_cast<std::size_t>(std::abs(params.count->of(seams.back()->carved())))
+                    ? static_cast<std::size_t>(std::abs(params.count->of(seams.back()->before())))
                     : seams.back()->seams.size();
         // The page squeezes joins that the remaps fade.
         if (const auto& seams = frames_.front().seams; !seams.empty()) {

@@ -23,7 +23,7 @@ std::optional<std::size_t> seams_of(const Auto<Count>& asked, const Seams& last)
         if (asked->value == 0) return 0;
         throw Failure(part_of_warp);
     }
-    const int count = asked->of(last.carved());
+    const int count = asked->of(last.before());
     if (count != 0 && kind_asked(count) == Seams::Kind::remove && last.kind == Seams::Kind::insert)
         throw Failure(fmt::format("count {} removes, but the seams insert", count));
     return static_cast<std::size_t>(std::abs(count));

@@ -47,7 +47,7 @@ void write_warp(const Warp& warp, BinaryWriter& out) {
 /// @param seams  give the shape, the frames and whether the lattice is closed
 Warp read_warp(BinaryReader& in, const Seams& seams) {
     const int factor = in.value<int>();
-    in.require((factor == 1 || factor == 2 || factor == 4) && seams.carved() >= 1);
+    in.require((factor == 1 || factor == 2 || factor == 4) && seams.before() >= 1);
     const double scale = in.value<double>();
     const bool linear = in.value<bool>();
     const auto frames = in.value<std::uint64_t>();
@@ -133,7 +133,7 @@ Ref<Seams> read_all(std::istream& from) {
     out->anchor.at = in.value_up_to(Anchor::At::vertex);
     out->anchor.vertex = in.value<int>();
     out->thickness = in.value<int>();
-    in.require(out->thickness >= 1 && out->thickness <= out->carved());
+    in.require(out->thickness >= 1 && out->thickness <= out->before());
     out->seams = read_list(in, columns);
     out->pairs = read_list(in, columns);
     if (in.value<bool>()) {

@@ -40,7 +40,7 @@ public:
           space_(space),
           view_(view),
           plane_(plane),
-          laterals_(seams.lateral(), seams.around),
+          laterals_(seams.laterals(), seams.around),
           slices_(seams.slices(), seams.slices_close()) {}
 
     std::vector<PictureLine> lines() {
@@ -51,7 +51,7 @@ public:
         for (int k = 0; k < slices_.size(); ++k)
             for (int lateral = 0; lateral < laterals_.size(); ++lateral) {
                 const auto first = depth(place(-0.5, lateral, k));
-                const auto last = depth(place(seams_.carved() - 0.5, lateral, k));
+                const auto last = depth(place(seams_.before() - 0.5, lateral, k));
                 reach.push_back({std::min(first, last), std::max(first, last)});
             }
         const auto row = static_cast<std::size_t>(laterals_.size());
@@ -87,7 +87,7 @@ private:
     void cross_seams(const std::vector<Seams::Seam>& seams, Seams::Kind kind, int lateral, int k,
                      std::vector<Crossing>& out) {
         const auto column = static_cast<std::size_t>(laterals_.column(lateral)) +
-                            static_cast<std::size_t>(seams_.lateral()) *
+                            static_cast<std::size_t>(seams_.laterals()) *
                                 static_cast<std::size_t>(slices_.column(k)) +
                             t_ * seams_.columns_per_frame();
         entries_.clear();
@@ -102,7 +102,7 @@ private:
     /// The places of a column from which on the warp moves another whole vertex further: where it
     /// moves by a whole number and a half. It may do so several times.
     void cross_warp(int lateral, int k, std::vector<Crossing>& out) {
-        shifts_.resize(static_cast<std::size_t>(seams_.carved()));
+        shifts_.resize(static_cast<std::size_t>(seams_.before()));
         seams_.warp->column(t_, laterals_.column(lateral), slices_.column(k), shifts_);
         out.clear();
         for (std::size_t u = 0; u + 1 < shifts_.size(); ++u) {

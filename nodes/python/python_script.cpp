@@ -30,7 +30,7 @@ std::string path_of_script(const PythonParams& params) {
 }
 
 /// Facts about a script, by interpreter and path, as its first worker reported.
-struct Known {
+struct KnownScripts {
     std::mutex mutex;
     struct Facts {
         FurtherDependencies further;
@@ -46,8 +46,8 @@ struct Known {
     }
 };
 
-Known& known() {
-    static Known out;
+KnownScripts& known() {
+    static KnownScripts out;
     return out;
 }
 

@@ -70,7 +70,7 @@ void SeamNode::resume(const Payload& result, const nlohmann::ordered_json& entry
 
 ItemCount SeamNode::item_count(const Payload& result) {
     const auto seams = result.as<Seams>();
-    return {seams->seams.size(), static_cast<std::size_t>(seams->carved())};
+    return {seams->seams.size(), static_cast<std::size_t>(seams->before())};
 }
 
 std::size_t SeamNode::wanted(const Params& params, std::size_t vertices) {

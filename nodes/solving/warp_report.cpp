@@ -22,7 +22,7 @@ std::pair<double, double> amounts_in(const Seams& set, const WarpAmount& amount)
     for (const int frame : set.frames)
         for (int k = 0; k < set.slices(); ++k) {
             const double here =
-                amount.at(place_along(k, set.slices(), set.closed), frame, set.carved());
+                amount.at(place_along(k, set.slices(), set.closed), frame, set.before());
             least = std::min(least, here);
             greatest = std::max(greatest, here);
         }

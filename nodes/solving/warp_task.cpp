@@ -60,7 +60,7 @@ int warp_factor_for(const WarpParams& params, const Seams& set, std::size_t fram
 WarpTask warp_task(const WarpParams& params, const WarpAmount& amount, const Seams& set,
                    const Warp& warp) {
     WarpTask out;
-    const int size = set.carved(), planes = warp.points()[2];
+    const int size = set.before(), planes = warp.points()[2];
     out.window = window_of(params.window, size);
     out.pair_window = set.pair_window;
     out.pair_below = set.pair_below;

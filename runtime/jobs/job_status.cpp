@@ -4,6 +4,7 @@
 #include "formats/file/input_file.h"
 #include "formats/file/output_file.h"
 #include "graph/text/json_text.h"
+#include "graph/text/text_table.h"
 #include "runtime/keep/work_folder.h"
 #include "runtime/run/forecast.h"
 #include "runtime/run/status.h"
@@ -156,7 +157,7 @@ std::string job_text(const Json& job) {
                         chunked ? step["of_frames"].dump() : "", step["tasks_running"].dump(),
                         joined(step["needs"])});
     }
-    out += table(rows);
+    out += text_table(rows);
     for (const auto& failure : job["failures"]) {
         const auto task = failure["task"].get<std::string>();
         const auto& messages = failure["messages"];

@@ -13,7 +13,7 @@ using Consume = Schedule::Consume;
 class Scheduler {
 public:
     Scheduler(const Pipeline& pipeline, const Plan& plan, const std::vector<bool>& delivered,
-              const Known& known)
+              const ScheduleQueries& known)
         : pipeline_(pipeline), plan_(plan), delivered_(delivered), known_(known) {
         out_.once.assign(pipeline.nodes.size(), Action::none);
         out_.gathers.assign(pipeline.nodes.size(), 0);
@@ -150,7 +150,7 @@ private:
     const Pipeline& pipeline_;
     const Plan& plan_;
     const std::vector<bool>& delivered_;
-    const Known& known_;
+    const ScheduleQueries& known_;
     Schedule out_;
     bool earlier_kept_ = false;
     std::vector<Visit> open_;  ///< the next one is the last
@@ -171,7 +171,7 @@ bool Schedule::Frame::empty() const {
 }
 
 Schedule make_schedule(const Pipeline& pipeline, const Plan& plan,
-                       const std::vector<bool>& delivered, const Known& known) {
+                       const std::vector<bool>& delivered, const ScheduleQueries& known) {
     return Scheduler(pipeline, plan, delivered, known).make();
 }
 

@@ -11,7 +11,7 @@ namespace fluidcarve {
 
 /// What make_schedule asks about the cache and the nodes. A place is an index in the sequence; 0
 /// for nodes that deliver once.
-struct Known {
+struct ScheduleQueries {
     /// Whether the result is cached.
     std::function<bool(std::size_t node, std::size_t place)> result;
     /// Whether a gathering node's digest of the frame is cached.
@@ -60,7 +60,7 @@ struct Schedule {
 /// Decides what each node does in each frame.
 /// @param delivered  per place: whether the frame is delivered
 Schedule make_schedule(const Pipeline& pipeline, const Plan& plan,
-                       const std::vector<bool>& delivered, const Known& known);
+                       const std::vector<bool>& delivered, const ScheduleQueries& known);
 
 /// How often a node's bodies are called, over all passes.
 struct Calls {

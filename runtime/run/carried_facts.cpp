@@ -13,7 +13,7 @@ CarriedFacts::Key CarriedFacts::key(const Link& link, int frame) const {
     return {pipeline_.nodes[link.node].rate == Rate::fixed ? 0 : frame, link.output};
 }
 
-const CarriedFacts::Known* CarriedFacts::known(const Link& link, int frame) const {
+const CarriedFacts::KnownFact* CarriedFacts::known(const Link& link, int frame) const {
     const auto found = known_[link.node].find(key(link, frame));
     return found == known_[link.node].end() ? nullptr : &found->second;
 }
@@ -46,7 +46,7 @@ std::string CarriedFacts::carry(std::size_t n, int frame) {
             deliver(n, frame, output, {from->grids, std::nullopt});
     if (!node.type->in_place) return {};
 
-    const Known* first = nullptr;
+    const KnownFact* first = nullptr;
     for (const auto& link : node.links()) {
         const auto* const each = known(link, frame);
         if (!each || !each->what.pixels) continue;

@@ -28,16 +28,16 @@ public:
 
 private:
     /// A fact, and the reader that it comes from.
-    struct Known {
+    struct KnownFact {
         SurveyedFacts what;
         std::size_t reader = 0;
     };
     using Key = std::pair<int, std::size_t>;  ///< frame number, index of the output
     Key key(const Link& link, int frame) const;
-    const Known* known(const Link& link, int frame) const;
+    const KnownFact* known(const Link& link, int frame) const;
 
     const Pipeline& pipeline_;
-    std::vector<std::map<Key, Known>> known_;  ///< `[node]`
+    std::vector<std::map<Key, KnownFact>> known_;  ///< `[node]`
 };
 
 }  // namespace fluidcarve

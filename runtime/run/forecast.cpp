@@ -2,6 +2,7 @@
 
 #include "carve/base/frame_set.h"
 #include "carve/base/words.h"
+#include "graph/text/text_table.h"
 #include "runtime/run/expected_costs.h"
 
 #include <fmt/format.h>
@@ -104,23 +105,6 @@ std::uint64_t disk_of(const Node& node, const NodeCost& cost, const NodeWork& wo
     return bytes * (results + (digests_apart(node) ? work.consumed_inputs : 0));
 }
 
-std::string table(const std::vector<std::vector<std::string>>& rows) {
-    std::vector<std::size_t> widths(rows.front().size(), 0);
-    for (const auto& row : rows)
-        for (std::size_t n = 0; n < row.size(); ++n) widths[n] = std::max(widths[n], row[n].size());
-    std::string out;
-    for (const auto& row : rows) {
-        std::string line;
-        for (std::size_t n = 0; n < row.size(); ++n) {
-            const bool left = n < 2 || n + 1 == row.size();
-            line += left ? fmt::format("{:<{}}  ", row[n], widths[n])
-                         : fmt::format("{:>{}}  ", row[n], widths[n]);
-        }
-        out += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
-    }
-    return out;
-}
-
 std::string to_text(const Forecast& forecast) {
     const auto total = forecast.frames.frames().size();
     std::string out =
@@ -139,7 +123,7 @@ std::string to_text(const Forecast& forecast) {
         rows.push_back(
             {line.node, line.type, std::to_string(line.frames), std::to_string(line.cached), why});
     }
-    out += table(rows) + "\n";
+    out += text_table(rows) + "\n";
     if (std::all_of(forecast.lines.begin(), forecast.lines.end(),
                     [](const auto& line) { return line.why.empty(); }))
         return out + "nothing to do: every result is there\n";

@@ -68,8 +68,4 @@ std::string to_text(const Forecast& forecast);
 /// The forecast for programs, as pipelines/FORMATS.md says, without steps.
 nlohmann::ordered_json to_json(const Forecast& forecast);
 
-/// Formats a text table. The first two columns and the last are aligned left, the others right.
-/// @param rows  `[row][column]`; the first row is the head
-std::string table(const std::vector<std::vector<std::string>>& rows);
-
 }  // namespace fluidcarve

@@ -160,7 +160,7 @@ Schedule Preparation::schedule(bool careful) {
         if (fresh) found->second = find();
         return found->second;
     };
-    const Known known{
+    const ScheduleQueries known{
         [&](std::size_t n, std::size_t place) {
             return once(results, n, place, [&] {
                 return careful ? store_.knows_whole(n, place) : store_.knows(n, place);

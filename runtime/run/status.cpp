@@ -4,6 +4,7 @@
 #include "formats/file/input_file.h"
 #include "formats/file/output_file.h"
 #include "graph/text/json_text.h"
+#include "graph/text/text_table.h"
 #include "runtime/keep/work_folder.h"
 #include "runtime/tell/exit_codes.h"
 
@@ -133,7 +134,7 @@ std::string run_text(const Json& run) {
     }
     if (!gathers)
         for (auto& row : rows) row.erase(row.begin() + column);
-    return out + table(rows);
+    return out + text_table(rows);
 }
 
 }  // namespace

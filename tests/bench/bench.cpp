@@ -63,10 +63,10 @@ Seams wandering(const Lattice& lattice, int count, int apart) {
     auto out = test::no_seams(lattice);
     for (int n = 0; n < count; ++n) {
         // In the space that the seams before leave.
-        const int first = out.carved() / 8 + n * (apart - 1);
+        const int first = out.before() / 8 + n * (apart - 1);
         std::vector<std::uint16_t> at;
         for (int k = 0; k < out.shape[2]; ++k)
-            for (int j = 0; j < out.lateral(); ++j)
+            for (int j = 0; j < out.laterals(); ++j)
                 at.push_back(static_cast<std::uint16_t>(first + (j / 3 + k / 5) % 2));
         out.seams.push_back({std::move(at), 0});
     }

@@ -56,14 +56,14 @@ template <class T, class Mean>
 void carve(Dense<T>& dense, const Layout& layout, const Seams& seams, std::size_t t,
            std::size_t count, const T& background, const Mean& mean) {
     using Voxel = typename Dense<T>::Voxel;
-    const int size = seams.carved();
+    const int size = seams.before();
     for (int k = 0; k < seams.slices(); ++k)
-        for (int lateral = 0; lateral < seams.lateral(); ++lateral) {
+        for (int lateral = 0; lateral < seams.laterals(); ++lateral) {
             const auto vertex = [&](int entry) {
                 return layout(vertex_of(seams.axis, entry, lateral, k));
             };
             const auto column = t * seams.columns_per_frame() +
-                                static_cast<std::size_t>(lateral + seams.lateral() * k);
+                                static_cast<std::size_t>(lateral + seams.laterals() * k);
             std::vector<Voxel> before, after;
             for (int i = 0; i < size; ++i) before.push_back(dense.at(vertex(i)));
             // The two windows of pairs know nothing of each other.
@@ -106,13 +106,13 @@ inline Seams random_seams(std::mt19937& random, const Lattice& lattice,
     for (auto& seam : out.seams) seam.at = std::vector<std::uint16_t>(columns);
     for (std::size_t c = 0; c < columns; ++c) {
         std::vector<int> free;
-        for (int i = 0; i + 1 < out.carved(); ++i) free.push_back(i);
+        for (int i = 0; i + 1 < out.before(); ++i) free.push_back(i);
         std::shuffle(free.begin(), free.end(), random);
         for (int n = 0; n < count; ++n)
             out.seams[static_cast<std::size_t>(n)].at.all()[c] = static_cast<std::uint16_t>(
                 kind == Seams::Kind::insert
                     ? free.at(static_cast<std::size_t>(n))
-                    : static_cast<int>(random() % static_cast<unsigned>(out.carved() - n)));
+                    : static_cast<int>(random() % static_cast<unsigned>(out.before() - n)));
     }
     return out;
 }
@@ -140,10 +140,10 @@ inline Seams random_pairs(std::mt19937& random, const Lattice& lattice,
                         : first + static_cast<int>(random() %
                                                    static_cast<unsigned>(last - first + 1 - n)));
         };
-        const int room = out.carved() - 1 - 2 * count,
+        const int room = out.before() - 1 - 2 * count,
                   border = count + static_cast<int>(random() % static_cast<unsigned>(room + 1));
         fill(out.seams, kind, 0, border - 1);
-        fill(out.pairs, opposite(kind), border, out.carved() - 2);
+        fill(out.pairs, opposite(kind), border, out.before() - 2);
     }
     return out;
 }

@@ -16,7 +16,7 @@ inline Seams wavy_seams(const Lattice& lattice, Axis axis, Seams::Kind kind, int
     for (int n = 0; n < count; ++n) {
         std::vector<std::uint16_t> at;
         for (int k = 0; k < out.slices(); ++k)
-            for (int lateral = 0; lateral < out.lateral(); ++lateral) {
+            for (int lateral = 0; lateral < out.laterals(); ++lateral) {
                 const double wave =
                     std::sin(0.25 * lateral) + std::sin(2 * M_PI * 3 * k / out.slices());
                 at.push_back(

@@ -5,9 +5,9 @@
 #include "carve/base/one_line.h"
 #include "carve/base/words.h"
 #include "runtime/tell/exit_codes.h"
+#include "tools/compare/comparers.h"
 #include "tools/compare/comparison.h"
 #include "tools/compare/file_comparer.h"
-#include "tools/compare/files.h"
 #include "tools/verbs/print.h"
 
 #include <tbb/global_control.h>

@@ -18,7 +18,7 @@ namespace fluidcarve {
 /// Everything that a solver needs of one frame.
 struct FrameEnergy {
     Ref<Lattice> lattice;
-    int finest = 1;                     ///< 2: energy and field are at half size (halve_energy())
+    int finest = 1;                     ///< 2: energy and field are at half size (MeanEnergy)
     std::vector<std::uint16_t> energy;  ///< energy codes at the lattice's vertices, marks included;
                                         ///< laid out as by sample_columns()
     std::vector<std::uint16_t> field;   ///< field codes, laid out the same way; empty: no field

@@ -14,9 +14,8 @@ namespace fluidcarve {
 /// A solver: finds one seam in a window that holds at least one. It works on the present energy,
 /// codes or sums. The seam is feasible, passes no protected vertex, and comes with its energy, in
 /// which attracted vertices count 0. A solver that uses bounds takes them as a fifth argument,
-/// `SeamBounds*`; null: there are none.
-/// @param number  number of seams found before; ties lean to one side for even numbers, to the
-///   other for odd
+/// `SeamBounds*`; null: there are none. Its third argument is the number of seams found before:
+/// ties lean to one side for even numbers, to the other for odd ones.
 class FindSeam {
 public:
     template <class Find>

@@ -98,10 +98,12 @@ void ExpressionChecker::warn_of_unread() {
             warn("params", name);
 }
 
-ExpressionChecker::Known ExpressionChecker::known(Type type) { return {type, is_fraction(type)}; }
+ExpressionChecker::KnownValue ExpressionChecker::known(Type type) {
+    return {type, is_fraction(type)};
+}
 
 /// The result of an operation on two values.
-ExpressionChecker::Known ExpressionChecker::joined(const Known& a, const Known& b) {
+ExpressionChecker::KnownValue ExpressionChecker::joined(const KnownValue& a, const KnownValue& b) {
     const bool scalars = a.type <= tokens::DOUBLE && b.type <= tokens::DOUBLE &&
                          a.type >= tokens::INT32 && b.type >= tokens::INT32;
     if (scalars || (a.type == b.type && component_of(a.type) != tokens::UNKNOWN))
@@ -118,8 +120,8 @@ void ExpressionChecker::require_offered(const Node& node, Type type) {
                                 tokens::typeStringFromToken(type)));
 }
 
-void ExpressionChecker::require_divisor(const Node& divisor, const Known& divided,
-                                        const Known& by) {
+void ExpressionChecker::require_divisor(const Node& divisor, const KnownValue& divided,
+                                        const KnownValue& by) {
     if (divided.fraction || by.fraction || whole_literal(&divisor).value_or(0) > 0) return;
     fault(divisor,
           "a whole number can't be divided by one that may be 0; make one of them a fraction: 1.0f "
@@ -143,13 +145,13 @@ void ExpressionChecker::require_writable(const Node& target) {
     }
 }
 
-ExpressionChecker::Known ExpressionChecker::visit(const Node* node) {
+ExpressionChecker::KnownValue ExpressionChecker::visit(const Node* node) {
     if (!node) return {};
     if (++depth_ > deepest) {
         fault(*node, fmt::format("nested more than {} levels deep", deepest));
         throw TooDeep{};
     }
-    Known out;
+    KnownValue out;
     switch (node->nodetype()) {
         case Node::AttributeNode: out = attribute(as<ast::Attribute>(*node)); break;
         case Node::ExternalVariableNode: out = external(as<ast::ExternalVariable>(*node)); break;
@@ -184,13 +186,13 @@ ExpressionChecker::Known ExpressionChecker::visit(const Node* node) {
 }
 
 /// @return what is known of the last child
-ExpressionChecker::Known ExpressionChecker::visit_children(const Node& node) {
-    Known out;
+ExpressionChecker::KnownValue ExpressionChecker::visit_children(const Node& node) {
+    KnownValue out;
     for (std::size_t n = 0; n < node.children(); ++n) out = visit(node.child(n));
     return out;
 }
 
-ExpressionChecker::Known ExpressionChecker::attribute(const ast::Attribute& node) {
+ExpressionChecker::KnownValue ExpressionChecker::attribute(const ast::Attribute& node) {
     const auto type = node.type();
     const auto written = node.tokenname();
     if (node.name() == expression_.output) {
@@ -240,7 +242,7 @@ bool ExpressionChecker::reads(const std::string& name) const {
                        [&](const auto& read) { return read.input == name; });
 }
 
-ExpressionChecker::Known ExpressionChecker::external(const ast::ExternalVariable& node) {
+ExpressionChecker::KnownValue ExpressionChecker::external(const ast::ExternalVariable& node) {
     const auto found = expression_.constants.find(node.name());
     if (found == expression_.constants.end() && node.name() == frame_constant &&
         node.type() == tokens::FLOAT) {
@@ -264,7 +266,7 @@ ExpressionChecker::Known ExpressionChecker::external(const ast::ExternalVariable
     return known(node.type());
 }
 
-ExpressionChecker::Known ExpressionChecker::local(const ast::Local& node) {
+ExpressionChecker::KnownValue ExpressionChecker::local(const ast::Local& node) {
     std::vector<std::string> declared;
     for (auto scope = scopes_.rbegin(); scope != scopes_.rend(); ++scope) {
         if (const auto found = scope->find(node.name()); found != scope->end())
@@ -283,7 +285,7 @@ ExpressionChecker::Known ExpressionChecker::local(const ast::Local& node) {
     return {Type::UNKNOWN, true};
 }
 
-ExpressionChecker::Known ExpressionChecker::cast(const ast::Cast& node) {
+ExpressionChecker::KnownValue ExpressionChecker::cast(const ast::Cast& node) {
     const auto value = visit(node.expression());
     require_offered(node, node.type());
     if (value.type == node.type())
@@ -292,14 +294,14 @@ ExpressionChecker::Known ExpressionChecker::cast(const ast::Cast& node) {
     return known(node.type());
 }
 
-ExpressionChecker::Known ExpressionChecker::unary(const ast::UnaryOperator& node) {
+ExpressionChecker::KnownValue ExpressionChecker::unary(const ast::UnaryOperator& node) {
     const auto value = visit(node.expression());
     if (node.operation() == tokens::NOT) return known(tokens::BOOL);
     // The operand is not a fraction if it is a bool.
-    return value.type == tokens::BOOL ? Known{} : value;
+    return value.type == tokens::BOOL ? KnownValue{} : value;
 }
 
-ExpressionChecker::Known ExpressionChecker::binary(const ast::BinaryOperator& node) {
+ExpressionChecker::KnownValue ExpressionChecker::binary(const ast::BinaryOperator& node) {
     const auto left = visit(node.lhs()), right = visit(node.rhs());
     const auto operation = node.operation();
     if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT)
@@ -311,7 +313,7 @@ ExpressionChecker::Known ExpressionChecker::binary(const ast::BinaryOperator& no
     return joined(left, right);
 }
 
-ExpressionChecker::Known ExpressionChecker::assign(const ast::AssignExpression& node) {
+ExpressionChecker::KnownValue ExpressionChecker::assign(const ast::AssignExpression& node) {
     const auto right = visit(node.rhs());
     require_writable(*node.lhs());
     // The target of an assignment does not count as read. require_writable has reported its faults.
@@ -336,24 +338,25 @@ ExpressionChecker::Known ExpressionChecker::assign(const ast::AssignExpression& 
     return left;
 }
 
-ExpressionChecker::Known ExpressionChecker::crement(const ast::Crement& node) {
+ExpressionChecker::KnownValue ExpressionChecker::crement(const ast::Crement& node) {
     require_writable(*node.expression());
     const auto* const target = node.expression();
     return target->nodetype() == Node::AttributeNode ? known(as<ast::Attribute>(*target).type())
                                                      : visit(target);
 }
 
-ExpressionChecker::Known ExpressionChecker::ternary(const ast::TernaryOperator& node) {
+ExpressionChecker::KnownValue ExpressionChecker::ternary(const ast::TernaryOperator& node) {
     const auto condition = visit(node.condition());
     const auto yes = node.hasTrue() ? visit(node.trueBranch()) : condition,
                no = visit(node.falseBranch());
-    return yes.type == no.type ? Known{yes.type, yes.fraction && no.fraction} : joined(yes, no);
+    return yes.type == no.type ? KnownValue{yes.type, yes.fraction && no.fraction}
+                               : joined(yes, no);
 }
 
-ExpressionChecker::Known ExpressionChecker::pack(const ast::ArrayPack& node) {
+ExpressionChecker::KnownValue ExpressionChecker::pack(const ast::ArrayPack& node) {
     if (node.size() != 3)
         fault(node, fmt::format("vectors have 3 components, not {}", node.size()));
-    Known out;
+    KnownValue out;
     for (std::size_t n = 0; n < node.size(); ++n) {
         const auto each = visit(node.child(n));
         out.fraction = out.fraction || each.fraction;
@@ -361,7 +364,7 @@ ExpressionChecker::Known ExpressionChecker::pack(const ast::ArrayPack& node) {
     return out;
 }
 
-ExpressionChecker::Known ExpressionChecker::unpack(const ast::ArrayUnpack& node) {
+ExpressionChecker::KnownValue ExpressionChecker::unpack(const ast::ArrayUnpack& node) {
     const auto value = visit(node.expression());
     const auto index = whole_literal(node.component0());
     if (node.isMatrixIndex()) fault(node, "matrices are not supported");
@@ -370,8 +373,8 @@ ExpressionChecker::Known ExpressionChecker::unpack(const ast::ArrayUnpack& node)
     return {component_of(value.type), value.fraction};
 }
 
-ExpressionChecker::Known ExpressionChecker::call(const ast::FunctionCall& node) {
-    std::vector<Known> arguments;
+ExpressionChecker::KnownValue ExpressionChecker::call(const ast::FunctionCall& node) {
+    std::vector<KnownValue> arguments;
     for (std::size_t n = 0; n < node.numArgs(); ++n) arguments.push_back(visit(node.child(n)));
     const auto& name = node.name();
     const auto found = functions().find(name);
@@ -391,12 +394,12 @@ ExpressionChecker::Known ExpressionChecker::call(const ast::FunctionCall& node) 
     if (name.ends_with("mod") && arguments.size() == 2)
         require_divisor(*node.child(1), arguments[0], arguments[1]);
     const bool fraction = std::any_of(arguments.begin(), arguments.end(),
-                                      [](const Known& each) { return each.fraction; });
+                                      [](const KnownValue& each) { return each.fraction; });
     return {Type::UNKNOWN,
             found->second == Gives::fraction || (found->second == Gives::as_given && fraction)};
 }
 
-ExpressionChecker::Known ExpressionChecker::declare(const ast::DeclareLocal& node) {
+ExpressionChecker::KnownValue ExpressionChecker::declare(const ast::DeclareLocal& node) {
     visit(node.init());
     require_offered(node, node.type());
     scopes_.back()[node.local()->name()] = node.type();

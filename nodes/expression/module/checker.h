@@ -35,7 +35,7 @@ private:
     using Node = openvdb::ax::ast::Node;
     using Type = openvdb::ax::ast::tokens::CoreType;
     /// What is known of a value before compilation.
-    struct Known {
+    struct KnownValue {
         Type type = Type::UNKNOWN;
         bool fraction = false;  ///< certainly of a floating-point type
     };
@@ -49,27 +49,27 @@ private:
     /// Reports an output that is never written, and an input of its name.
     void check_names();
 
-    Known visit(const Node* node);
-    Known visit_children(const Node& node);
-    Known attribute(const openvdb::ax::ast::Attribute& node);
-    Known external(const openvdb::ax::ast::ExternalVariable& node);
-    Known local(const openvdb::ax::ast::Local& node);
-    Known cast(const openvdb::ax::ast::Cast& node);
-    Known unary(const openvdb::ax::ast::UnaryOperator& node);
-    Known binary(const openvdb::ax::ast::BinaryOperator& node);
-    Known assign(const openvdb::ax::ast::AssignExpression& node);
-    Known crement(const openvdb::ax::ast::Crement& node);
-    Known ternary(const openvdb::ax::ast::TernaryOperator& node);
-    Known pack(const openvdb::ax::ast::ArrayPack& node);
-    Known unpack(const openvdb::ax::ast::ArrayUnpack& node);
-    Known call(const openvdb::ax::ast::FunctionCall& node);
-    Known declare(const openvdb::ax::ast::DeclareLocal& node);
-    Known loop(const openvdb::ax::ast::Loop& node);
+    KnownValue visit(const Node* node);
+    KnownValue visit_children(const Node& node);
+    KnownValue attribute(const openvdb::ax::ast::Attribute& node);
+    KnownValue external(const openvdb::ax::ast::ExternalVariable& node);
+    KnownValue local(const openvdb::ax::ast::Local& node);
+    KnownValue cast(const openvdb::ax::ast::Cast& node);
+    KnownValue unary(const openvdb::ax::ast::UnaryOperator& node);
+    KnownValue binary(const openvdb::ax::ast::BinaryOperator& node);
+    KnownValue assign(const openvdb::ax::ast::AssignExpression& node);
+    KnownValue crement(const openvdb::ax::ast::Crement& node);
+    KnownValue ternary(const openvdb::ax::ast::TernaryOperator& node);
+    KnownValue pack(const openvdb::ax::ast::ArrayPack& node);
+    KnownValue unpack(const openvdb::ax::ast::ArrayUnpack& node);
+    KnownValue call(const openvdb::ax::ast::FunctionCall& node);
+    KnownValue declare(const openvdb::ax::ast::DeclareLocal& node);
+    KnownValue loop(const openvdb::ax::ast::Loop& node);
 
-    static Known known(Type type);
-    static Known joined(const Known& a, const Known& b);
+    static KnownValue known(Type type);
+    static KnownValue joined(const KnownValue& a, const KnownValue& b);
     void require_offered(const Node& node, Type type);
-    void require_divisor(const Node& divisor, const Known& divided, const Known& by);
+    void require_divisor(const Node& divisor, const KnownValue& divided, const KnownValue& by);
     /// Reports a fault if the target of an assignment is an input or a loop counter.
     void require_writable(const Node& target);
     /// The value of an integer literal or a constant; nothing for other expressions.

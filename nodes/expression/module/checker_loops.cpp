@@ -75,7 +75,7 @@ std::optional<double> ExpressionChecker::rounds(const ast::Loop& node) const {
     return std::max(0.0, last_too ? std::floor(steps) + 1 : std::ceil(steps));
 }
 
-ExpressionChecker::Known ExpressionChecker::loop(const ast::Loop& node) {
+ExpressionChecker::KnownValue ExpressionChecker::loop(const ast::Loop& node) {
     const auto count = rounds(node);
     if (!count)
         fault(node, fmt::format("'{}' may never end; count to a stated end, as in for (int i = 0; "

@@ -66,8 +66,8 @@ public:
 private:
     std::vector<double> entries(int lateral, int k) const {
         std::vector<double> left, doubled;
-        for (int i = 0; i < seams_.carved(); ++i) left.push_back(i);
-        const auto column = static_cast<std::size_t>(lateral + seams_.lateral() * k);
+        for (int i = 0; i < seams_.before(); ++i) left.push_back(i);
+        const auto column = static_cast<std::size_t>(lateral + seams_.laterals() * k);
         const auto take = [&](const std::vector<Seams::Seam>& window, Kind kind) {
             for (const auto& seam : window) {
                 if (kind == Kind::remove) left.erase(left.begin() + seam.at[column]);

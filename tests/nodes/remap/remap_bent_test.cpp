@@ -181,7 +181,7 @@ TEST_CASE("a closed lattice has no first plane: seams and grids do not know wher
         auto shifted_seams = seams;
         shifted_seams.lattice_hash = shifted.hash;
         for (auto& seam : shifted_seams.seams)
-            std::rotate(seam.at.all().begin(), seam.at.all().begin() + shift * seams.lateral(),
+            std::rotate(seam.at.all().begin(), seam.at.all().begin() + shift * seams.laterals(),
                         seam.at.all().end());
 
         const auto a = carved<FloatGrid>(grid, lattice, map_of(lattice, seams)),

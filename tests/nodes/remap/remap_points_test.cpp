@@ -37,15 +37,15 @@ std::vector<double> places_by_definition(const Seams& seams, const Vec3d& at, bo
     const auto between = [&](const std::vector<Seams::Seam>& window, Kind kind) {
         std::vector<double> out(window.size());
         for (int n = 0; n < 4; ++n) {
-            const int column_j = std::min(j + (n & 1), seams.lateral() - 1),
+            const int column_j = std::min(j + (n & 1), seams.laterals() - 1),
                       column_k = (k + (n >> 1)) % seams.slices();
             std::vector<int> entries;
             for (const auto& seam : window)
                 entries.push_back(
-                    seam.at[static_cast<std::size_t>(column_j + seams.lateral() * column_k)]);
+                    seam.at[static_cast<std::size_t>(column_j + seams.laterals() * column_k)]);
             if (kind == Kind::remove) {
                 std::vector<int> left, original;
-                for (int i = 0; i < seams.carved(); ++i) left.push_back(i);
+                for (int i = 0; i < seams.before(); ++i) left.push_back(i);
                 for (const int entry : entries) {
                     original.push_back(left.at(static_cast<std::size_t>(entry)));
                     left.erase(left.begin() + entry);
@@ -82,7 +82,7 @@ std::vector<double> places_by_definition(const Seams& seams, const Vec3d& at, bo
     if (gone) return {};
     std::vector<double> out;
     const int change = static_cast<int>(seams.seams.size()) * (seams.kind == Kind::remove ? -1 : 1);
-    const double last = seams.carved() - 1 + (seams.paired() ? 0 : change);
+    const double last = seams.before() - 1 + (seams.paired() ? 0 : change);
     for (int n = 0; n <= copies; ++n)
         if (u + shift + n >= 0 && u + shift + n <= last) out.push_back(u + shift + n);
     return out;

@@ -48,15 +48,15 @@ public:
           fade_(fade),
           mapping_(lattice, reach(lattice, seams)) {
         for (int k = 0; k < seams.shape[2]; ++k)
-            for (int j = 0; j < seams.lateral(); ++j)
-                columns_.push_back(originals(static_cast<std::size_t>(j + seams.lateral() * k)));
+            for (int j = 0; j < seams.laterals(); ++j)
+                columns_.push_back(originals(static_cast<std::size_t>(j + seams.laterals() * k)));
     }
 
     float operator()(const Coord& voxel) const {
         const float own = grid_.tree().getValue(voxel);
         const auto l = mapping_.locate(grid_.indexToWorld(voxel));
         const int axis = static_cast<int>(seams_.axis), lateral = 1 - axis;
-        const int before = seams_.carved(), count = static_cast<int>(seams_.seams.size());
+        const int before = seams_.before(), count = static_cast<int>(seams_.seams.size());
         const bool removes = seams_.kind == Seams::Kind::remove;
         if (!l) return own;
         const double u = (*l)[axis], v = (*l)[lateral], w = l->z();
@@ -84,7 +84,7 @@ public:
             const double weight = (n & 1 ? v - j : 1 - v + j) * (n & 2 ? w - k : 1 - w + k);
             if (weight == 0) continue;
             const auto& column = columns_[static_cast<std::size_t>(
-                j + (n & 1) + seams_.lateral() * ((k + (n >> 1)) % seams_.shape[2]))];
+                j + (n & 1) + seams_.laterals() * ((k + (n >> 1)) % seams_.shape[2]))];
             // What a removal frees goes on as before.
             const auto m = [&, size = static_cast<int>(column.size())](int entry) {
                 return entry < size ? column[static_cast<std::size_t>(entry)]
@@ -109,13 +109,13 @@ private:
     }
     double scale(double v, double w) const {
         if (fade_ == 0) return 1;
-        double rim = std::min(v, seams_.lateral() - 1 - v);
+        double rim = std::min(v, seams_.laterals() - 1 - v);
         if (!lattice_.closed) rim = std::min({rim, w, seams_.shape[2] - 1 - w});
         return std::min(1.0, rim / fade_);
     }
     std::vector<double> originals(std::size_t column) const {
         std::vector<int> left, doubled;
-        for (int i = 0; i < seams_.carved(); ++i) left.push_back(i);
+        for (int i = 0; i < seams_.before(); ++i) left.push_back(i);
         for (const auto& seam : seams_.seams)
             if (seams_.kind == Seams::Kind::remove) left.erase(left.begin() + seam.at[column]);
             else doubled.push_back(seam.at[column]);

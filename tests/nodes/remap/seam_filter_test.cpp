@@ -35,7 +35,7 @@ public:
           reach_(left_),
           numbers_(FloatGrid(), CoordBBox(Coord(0), Coord(0))) {
         auto& along = reach_[static_cast<std::size_t>(axis_)];
-        along = std::max(along, seams.carved());
+        along = std::max(along, seams.before());
         FloatGrid grid;
         const CoordBBox box(Coord(0), Coord(reach_[0] - 1, reach_[1] - 1, reach_[2] - 1));
         for (auto at = box.begin(); at; ++at)

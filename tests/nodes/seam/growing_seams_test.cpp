@@ -262,7 +262,7 @@ TEST_CASE(
             const auto& growth = growth_of(task);
             CHECK(growth.item_count(Payload(all.seams)).count == static_cast<std::size_t>(most));
             CHECK(growth.item_count(Payload(all.seams)).of ==
-                  static_cast<std::size_t>(all.seams->carved()));
+                  static_cast<std::size_t>(all.seams->before()));
             for (const int count : task.counts) {
                 INFO(task.name << ", " << sign * count << " of " << sign * most);
                 const auto some = solve(task, sign * count);

@@ -85,7 +85,7 @@ std::vector<FloatGrid::Ptr> hills(std::mt19937& random, const std::array<int, 3>
 std::vector<std::vector<int>> contents(const Seams& seams) {
     std::vector<std::vector<int>> out(seams.columns_per_frame() * seams.frames.size());
     for (auto& column : out) {
-        column.resize(static_cast<std::size_t>(seams.carved()));
+        column.resize(static_cast<std::size_t>(seams.before()));
         std::iota(column.begin(), column.end(), 0);
     }
     return out;
@@ -95,7 +95,7 @@ std::vector<std::vector<int>> contents(const Seams& seams) {
 /// @return the vertices that they take from each column, or double
 std::vector<std::vector<int>> taken_by(const Seams& seams, Window window) {
     const ColumnGraph graph(
-        {seams.lateral(), seams.shape[2], static_cast<int>(seams.frames.size())}, seams.closed,
+        {seams.laterals(), seams.shape[2], static_cast<int>(seams.frames.size())}, seams.closed,
         seams.around);
     auto left = contents(seams);
     std::vector<std::vector<int>> out(left.size());
@@ -113,7 +113,7 @@ std::vector<std::vector<int>> taken_by(const Seams& seams, Window window) {
             out[c].push_back(*place);
             column.erase(place);
         }
-        CHECK(is_seam(graph, Band::whole(left.size(), {0, seams.carved() - 1}), now));
+        CHECK(is_seam(graph, Band::whole(left.size(), {0, seams.before() - 1}), now));
     }
     return out;
 }
@@ -349,7 +349,7 @@ TEST_CASE(
             solve(seam_greedy(), stated("-2"), energy, {box(shape)}, {}, 4, {first.seams});
         CHECK(second.seams->shape ==
               (axis == std::string("u") ? std::array{20, 8, 6} : std::array{24, 4, 6}));
-        taken_by(*second.seams, {0, second.seams->carved() - 1});
+        taken_by(*second.seams, {0, second.seams->before() - 1});
     }
 }
 

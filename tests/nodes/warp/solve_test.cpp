@@ -58,7 +58,7 @@ Otherwise within(std::uint64_t bytes) {
 
 /// The displacement of a vertex.
 double at(const Seams& set, int u, int lateral, int k, std::size_t t) {
-    std::vector<float> column(static_cast<std::size_t>(set.carved()));
+    std::vector<float> column(static_cast<std::size_t>(set.before()));
     set.warp->column(t, lateral, k, column);
     return static_cast<double>(column[static_cast<std::size_t>(u)]);
 }
@@ -310,8 +310,8 @@ TEST_CASE("a warp is the same whatever the memory") {
 TEST_CASE("a warp is found in the space that seams before it leave") {
     const auto before = warp("{amount: -4.5}");
     const auto solved = warp("{amount: -2}", {}, {}, {before.seams});
-    CHECK(solved.seams->carved() == before.seams->shape_after(1)[0]);
-    CHECK(at(*solved.seams, solved.seams->carved() - 1, 2, 2, 0) == -2);
+    CHECK(solved.seams->before() == before.seams->shape_after(1)[0]);
+    CHECK(at(*solved.seams, solved.seams->before() - 1, 2, 2, 0) == -2);
 }
 
 TEST_CASE("a warp may make the rest of an amount, towards which the seams before it count") {
@@ -322,7 +322,7 @@ TEST_CASE("a warp may make the rest of an amount, towards which the seams before
         const auto solved =
             warp(fmt::format("{{amount: {}, rest: true}}", amount), {}, {}, {seams});
         REQUIRE(solved.seams->warp);
-        CHECK(solved.seams->carved() == 21);
+        CHECK(solved.seams->before() == 21);
         CHECK(at(*solved.seams, 20, 2, 2, 0) == left);
         CHECK(solved.listener.entry["amount"] == left);
         // It answers no other amount, since that of others is of another space.

@@ -1,4 +1,4 @@
-#include "tools/compare/files.h"
+#include "tools/compare/comparers.h"
 
 #include "carve/base/failure.h"
 #include "carve/base/words.h"
