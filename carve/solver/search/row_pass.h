@@ -64,11 +64,12 @@ public:
 private:
     /// Cost of a hole where a seam has no other way: less than that of an impossible step.
     static constexpr float hole_cost = 1e20f;
-    /// Share by which another entry must be cheaper than the seam's own: above the rounding errors of
-    /// sums.
+    /// Share by which another entry must be cheaper than the seam's own: above the rounding errors
+    /// of sums.
     static constexpr float least_gain = 1e-5f;
 
-    /// The neighbours of a column along a dimension, in the order of columns. In a ring they go round.
+    /// The neighbours of a column along a dimension, in the order of columns. In a ring they go
+    /// round.
     struct Neighbours {
         std::size_t previous, next;
     };
@@ -142,8 +143,8 @@ private:
                 first ? beside.previous : column};
     }
 
-    /// Where a seam may be in a column so that the ring still closes: within a cone around its entry in
-    /// the ring's first column.
+    /// Where a seam may be in a column so that the ring still closes: within a cone around its entry
+    /// in the ring's first column.
     /// @param at     the column's place in the ring, from its first on
     /// @param first  the ring's first column
     FLUIDCARVE_INLINE Eight cone(std::size_t column, std::size_t at, std::size_t first,
