@@ -143,8 +143,8 @@ private:
                 first ? beside.previous : column};
     }
 
-    /// Where a seam may be in a column so that the ring still closes: within a cone around its entry
-    /// in the ring's first column.
+    /// Where a seam may be in a column so that the ring still closes: within a cone around its
+    /// entry in the ring's first column.
     /// @param at     the column's place in the ring, from its first on
     /// @param first  the ring's first column
     FLUIDCARVE_INLINE Eight cone(std::size_t column, std::size_t at, std::size_t first,
