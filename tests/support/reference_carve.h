@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/remap/grid.h"
 #include "tests/support/seams_through.h"
 
 #include <openvdb/openvdb.h>
@@ -146,6 +147,14 @@ inline Seams random_pairs(std::mt19937& random, const Lattice& lattice,
         fill(out.pairs, opposite(kind), border, out.before() - 2);
     }
     return out;
+}
+
+/// What carve_grid() makes of a grid of this type.
+template <class Grid>
+typename Grid::ConstPtr carved(const typename Grid::ConstPtr& grid, const Lattice& lattice,
+                               const CarveMap& map,
+                               Interpolation interpolation = Interpolation::linear) {
+    return openvdb::GridBase::grid<Grid>(carve_grid(grid, lattice, map, interpolation));
 }
 
 }  // namespace fluidcarve::test

@@ -2,7 +2,7 @@
 #include "carve/remap/geometry/points.h"
 #include "carve/remap/grid.h"
 #include "tests/support/bent_lattices.h"
-#include "tests/support/carved.h"
+#include "tests/support/reference_carve.h"
 #include "tests/support/sampled.h"
 #include "tests/support/wavy_seams.h"
 

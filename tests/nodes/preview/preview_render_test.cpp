@@ -64,9 +64,7 @@ double mean(const RenderedPicture& render, const Area& area,
     return sum / count;
 }
 
-double brightness(const RenderedPicture& render, const Area& area) {
-    return mean(render, area, light);
-}
+double brightness(const RenderedPicture& of, const Area& area) { return mean(of, area, light); }
 
 double redness(const RenderedPicture& render, const Area& area) {
     return mean(render, area,

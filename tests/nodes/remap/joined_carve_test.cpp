@@ -5,9 +5,9 @@
 #include "carve/seam/joins.h"
 #include "nodes/remap.h"
 #include "tests/support/bent_lattices.h"
-#include "tests/support/carved.h"
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
+#include "tests/support/reference_carve.h"
 #include "tests/support/seams_through.h"
 
 #include <openvdb/tools/LevelSetSphere.h>

@@ -1,7 +1,6 @@
 #include "carve/remap/grid.h"
 #include "nodes/params/rim.h"
 #include "tests/support/bent_lattices.h"
-#include "tests/support/carved.h"
 #include "tests/support/reference_carve.h"
 #include "tests/support/sampled.h"
 

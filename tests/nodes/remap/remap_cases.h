@@ -5,7 +5,6 @@
 #include "carve/remap/grid.h"
 #include "carve/stream/raw_grid.h"
 #include "nodes/remap.h"
-#include "tests/support/carved.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/reference_carve.h"
 #include "tests/support/warped.h"

@@ -4,7 +4,6 @@
 #include "carve/stream/raw_grid.h"
 #include "nodes/remap.h"
 #include "tests/nodes/remap/remap_cases.h"
-#include "tests/support/carved.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/reference_carve.h"
 #include "tests/support/warped.h"
