@@ -126,8 +126,7 @@ private:
     /// Whether all steps that it needs are done. A step comes after those.
     bool ready(std::size_t step) const {
         for (std::size_t other = 0; other < step; ++other)
-            if (needs(step, other) &&
-                (states_[other].failed || states_[other].done < job_.steps[other].tasks.size()))
+            if (needs(step, other) && states_[other].done < job_.steps[other].tasks.size())
                 return false;
         return true;
     }

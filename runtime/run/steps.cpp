@@ -24,7 +24,7 @@ using Maker = std::optional<std::size_t>;
 /// The work of a node in a step, all frames together.
 struct StepWork {
     Calls calls;
-    NodeLoad share;
+    NodeLoad load;
     NodeFrames frames;
 };
 

@@ -45,6 +45,17 @@ TEST_CASE("the head of a text runs out where the file goes on") {
     CHECK(head.ran_out());
 }
 
+TEST_CASE("cells of a table come without quotes, comments and lines that have none") {
+    const Scratch scratch;
+    auto file =
+        opened(scratch.write("a.csv", "# frames\n\n \"w\", amount # of it\n,;\n0.5;-2\r\n"));
+    CHECK(file.next_cells() == std::vector<std::string_view>{"w", "amount"});
+    CHECK(file.line_number() == 3);
+    CHECK(file.next_cells() == std::vector<std::string_view>{"0.5", "-2"});
+    CHECK(file.line_number() == 5);
+    CHECK(file.next_cells().empty());
+}
+
 TEST_CASE("words are split at any of their separators, and are numbers only as a whole") {
     CHECK(words_of(" a\tb \r") == std::vector<std::string_view>{"a", "b"});
     CHECK(words_of("1, 2;;3", ",; ") == std::vector<std::string_view>{"1", "2", "3"});
@@ -53,4 +64,6 @@ TEST_CASE("words are split at any of their separators, and are numbers only as a
     CHECK(number_of_word<long>("-12") == -12);
     for (const auto* const none : {"", "1x", "+-1", "1.5", "99999999999999999999"})
         CHECK_FALSE(number_of_word<long>(none));
+    CHECK(number_of<long>("-12") == -12);
+    for (const auto* const none : {"", "+12", "12 ", "0x1"}) CHECK_FALSE(number_of<long>(none));
 }
