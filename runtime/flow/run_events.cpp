@@ -3,19 +3,19 @@
 namespace fluidcarve {
 
 void RunEvents::begin(const Schedule& schedule) {
-    calls_ = calls_of(schedule);
-    steps_.assign(calls_.size(), {});
+    node_work_ = work_of(schedule);
+    steps_.assign(node_work_.size(), {});
     progress_.begin_again();
-    for (std::size_t n = 0; n < calls_.size(); ++n) {
+    for (std::size_t n = 0; n < node_work_.size(); ++n) {
         const auto add = [&](Work work, std::size_t runs) {
             if (runs > 0)
                 steps_[n][static_cast<std::size_t>(work)] =
                     progress_.add({report_.name(n), runs, costs_.expected(n, work)});
         };
-        add(Work::consume, calls_[n].consumed);
+        add(Work::consume, node_work_[n].consumed_inputs);
         const bool finishes = schedule.gathers[n] != 0;
-        add(Work::once, finishes || (calls_[n].once && calls_[n].runs == 0) ? 1 : 0);
-        add(Work::frame, calls_[n].runs);
+        add(Work::once, finishes || (node_work_[n].once && node_work_[n].runs == 0) ? 1 : 0);
+        add(Work::frame, node_work_[n].runs);
     }
 }
 
@@ -28,14 +28,15 @@ void RunEvents::body_ended(Work work, std::size_t node, std::size_t place, doubl
 void RunEvents::call_ended(Work work, std::size_t node, WorkTimes::Span& span, int frame,
                            bool good) {
     const auto seconds = span.end();
-    const auto& calls = calls_[node];
-    const double abreast = options_.abreast(work == Work::consume ? calls.consumed : calls.runs);
+    const auto& all = node_work_[node];
+    const auto times = work == Work::consume ? all.consumed_inputs : all.runs;
+    const double abreast = options_.abreast(times);
     if (good) costs_.add(node, work, seconds, {abreast, abreast, 0, 0, 0, 0});
     progress_.done(step(node, work).value(), seconds, frame);
 }
 
 void RunEvents::loaded(std::size_t node, WorkTimes::Span& span) {
-    const double abreast = options_.abreast(calls_[node].loads);
+    const double abreast = options_.abreast(node_work_[node].loads());
     costs_.add(node, Work::load, span.end(), {abreast, abreast, 0, 0, 0, 0});
 }
 

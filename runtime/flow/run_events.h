@@ -97,8 +97,8 @@ private:
     Progress& progress_;
     WorkTimes& costs_;
     RunProfile* const profile_;
-    std::vector<Calls> calls_;  ///< per node
-    std::vector<Steps> steps_;  ///< per node
+    std::vector<NodeWork> node_work_;  ///< per node
+    std::vector<Steps> steps_;         ///< per node
 };
 
 }  // namespace fluidcarve

@@ -175,19 +175,19 @@ Schedule make_schedule(const Pipeline& pipeline, const Plan& plan,
     return Scheduler(pipeline, plan, delivered, known).make();
 }
 
-std::vector<Calls> calls_of(const Schedule& schedule) {
-    std::vector<Calls> out(schedule.once.size());
+std::vector<NodeWork> work_of(const Schedule& schedule) {
+    std::vector<NodeWork> out(schedule.once.size());
     for (std::size_t n = 0; n < out.size(); ++n) {
         out[n].once = schedule.gathers[n] != 0 || schedule.once[n] == Action::run;
-        out[n].loads = schedule.once[n] == Action::load ? 1 : 0;
+        out[n].loaded_results = schedule.once[n] == Action::load ? 1 : 0;
     }
     for (const auto& pass : schedule.frames)
         for (const auto& frame : pass)
             for (std::size_t n = 0; n < out.size(); ++n) {
                 out[n].runs += frame.results[n] == Action::run ? 1 : 0;
-                out[n].consumed += frame.consumes[n] == Consume::inputs ? 1 : 0;
-                out[n].loads += (frame.results[n] == Action::load ? 1 : 0) +
-                                (frame.consumes[n] == Consume::digest ? 1 : 0);
+                out[n].consumed_inputs += frame.consumes[n] == Consume::inputs ? 1 : 0;
+                out[n].consumed_digests += frame.consumes[n] == Consume::digest ? 1 : 0;
+                out[n].loaded_results += frame.results[n] == Action::load ? 1 : 0;
             }
     return out;
 }

@@ -62,16 +62,21 @@ struct Schedule {
 Schedule make_schedule(const Pipeline& pipeline, const Plan& plan,
                        const std::vector<bool>& delivered, const ScheduleQueries& known);
 
-/// How often a node's bodies are called, over all passes.
-struct Calls {
+/// How often a node works, over all passes.
+struct NodeWork {
     /// Computed frames; one that two passes need, and that is not kept, counts twice.
     std::size_t runs = 0;
-    std::size_t consumed = 0;  ///< for a gathering node: frames taken from its inputs
-    std::size_t loads = 0;     ///< cached results and digests that are loaded
-    bool once = false;         ///< it finishes, or runs once
+    /// For a gathering node: frames taken from its inputs, and from cached digests.
+    std::size_t consumed_inputs = 0, consumed_digests = 0;
+    std::size_t loaded_results = 0;
+    bool once = false;  ///< it finishes, or runs once
+
+    std::size_t gathered() const { return consumed_inputs + consumed_digests; }
+    /// Results and digests that are loaded from the cache.
+    std::size_t loads() const { return loaded_results + consumed_digests; }
 };
 /// @return one entry per node
-std::vector<Calls> calls_of(const Schedule& schedule);
+std::vector<NodeWork> work_of(const Schedule& schedule);
 
 /// Places of the frames in which a node works, over all passes.
 struct NodeFrames {

@@ -21,29 +21,27 @@ std::size_t items_to_find(const Node& node, const std::optional<GrownResult>& ke
 }  // namespace
 
 std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation& prepared,
-                                     const std::vector<Calls>& calls,
-                                     const std::vector<NodeLoad>& loads, const History& history,
+                                     const std::vector<NodeWork>& work, const History& history,
                                      const RunOptions& options) {
     std::vector<NodeCost> out(pipeline.nodes.size());
     for (std::size_t n = 0; n < out.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         out[n] = history.cost(node.name, node.type->name);
-        const auto adapt = [&](Work work, std::size_t times) {
-            auto& cost = out[n][work];
+        const auto adapt = [&](Work kind, std::size_t times) {
+            auto& cost = out[n][kind];
             if (!cost) return;
             CostSetting now;
-            now.abreast = options.abreast(work == Work::once ? std::nullopt : std::optional(times));
+            now.abreast = options.abreast(kind == Work::once ? std::nullopt : std::optional(times));
             now.input_bytes = prepared.inputs().frame_bytes;
-            if (work == Work::once) {
-                if (calls[n].once)
-                    now.gathered = loads[n].consumed_inputs + loads[n].consumed_digests;
+            if (kind == Work::once) {
+                if (work[n].once) now.gathered = work[n].gathered();
                 now.items = items_to_find(node, prepared.grown(n), cost);
             }
             cost = WorkTime{seconds_in(*cost, now), now};
         };
-        adapt(Work::frame, calls[n].runs);
-        adapt(Work::consume, calls[n].consumed);
-        adapt(Work::load, calls[n].loads);
+        adapt(Work::frame, work[n].runs);
+        adapt(Work::consume, work[n].consumed_inputs);
+        adapt(Work::load, work[n].loads());
         adapt(Work::once, 1);
         if (const auto then = out[n].bytes_of_input, bytes = prepared.inputs().frame_bytes;
             then > 0 && bytes > 0)
@@ -54,16 +52,16 @@ std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation
     return out;
 }
 
-double expected_seconds(const NodeCost& cost, const Calls& calls, bool& known) {
+double expected_seconds(const NodeCost& cost, const NodeWork& work, bool& known) {
     double out = 0;
-    for (const auto& [work, times] :
-         {std::pair(Work::frame, calls.runs), std::pair(Work::consume, calls.consumed),
-          std::pair(Work::load, calls.loads),
-          std::pair(Work::once, std::size_t{calls.once ? 1U : 0U})}) {
+    for (const auto& [kind, times] :
+         {std::pair(Work::frame, work.runs), std::pair(Work::consume, work.consumed_inputs),
+          std::pair(Work::load, work.loads()),
+          std::pair(Work::once, std::size_t{work.once ? 1U : 0U})}) {
         if (times == 0) continue;
-        if (cost[work]) out += static_cast<double>(times) * cost[work]->seconds;
+        if (cost[kind]) out += static_cast<double>(times) * cost[kind]->seconds;
         // Loading takes little time, even if it was never measured.
-        else if (work != Work::load) known = false;
+        else if (kind != Work::load) known = false;
     }
     return out;
 }

@@ -12,15 +12,14 @@ namespace fluidcarve {
 
 /// The costs of each node, as earlier runs measured them, converted to the setting of this run:
 /// its threads, bytes, frames and items to find.
-/// @param calls  one per node
+/// @param work  one per node
 std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation& prepared,
-                                     const std::vector<Calls>& calls,
-                                     const std::vector<NodeLoad>& loads, const History& history,
+                                     const std::vector<NodeWork>& work, const History& history,
                                      const RunOptions& options);
 
-/// Expected wall seconds of a node's work in a run.
+/// Expected wall seconds of a node's work in a run, or in a part of one.
 /// @param cost  in the setting of the run
 /// @param known  set to false if a cost is unknown
-double expected_seconds(const NodeCost& cost, const Calls& calls, bool& known);
+double expected_seconds(const NodeCost& cost, const NodeWork& work, bool& known);
 
 }  // namespace fluidcarve

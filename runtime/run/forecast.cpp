@@ -58,8 +58,8 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
     const auto why = reasons(pipeline, loads, history, prepared.dependencies(), [&](std::size_t n) {
         return NodeNow{prepared.reads(n), prepared.grown(n)};
     });
-    const auto calls = calls_of(schedule);
-    out.expected = expected_costs(pipeline, prepared, calls, loads, history, options);
+    const auto work = work_of(schedule);
+    out.expected = expected_costs(pipeline, prepared, work, history, options);
     const auto input_bytes = prepared.inputs().frame_bytes;
     for (std::size_t n = 0; n < loads.size(); ++n) {
         const auto& load = loads[n];
@@ -71,13 +71,10 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
                              node.type->growth ? node.type->growth->item : ""});
         const auto& cost = out.expected[n];
         bool known = true;
-        out.seconds += expected_seconds(cost, calls[n], known);
+        out.seconds += expected_seconds(cost, work[n], known);
         if (!known) out.unmeasured.push_back(node.name);
-        const NodeWork work{calls[n].once,
-                            node.rate == Rate::frame && !load.only_digests ? load.runs : 0,
-                            load.consumed_inputs, load.consumed_digests};
-        out.bytes += memory_of(node, cost, work, input_bytes, options);
-        out.disk += disk_of(node, cost, work, input_bytes);
+        out.bytes += memory_of(node, cost, work[n], input_bytes, options);
+        out.disk += disk_of(node, cost, work[n], input_bytes);
     }
     out.cores = options.threads;
     return out;
@@ -92,7 +89,7 @@ std::uint64_t memory_of(const Node& node, const NodeCost& cost, const NodeWork& 
     const auto in_flight = std::min(static_cast<std::size_t>(options.in_flight),
                                     std::max(work.runs, work.consumed_inputs));
     return work.once && node.type->digest != typeid(void) && node.rate != Rate::frame
-               ? std::min(options.memory, bytes * (work.consumed_inputs + work.consumed_digests))
+               ? std::min(options.memory, bytes * work.gathered())
                : bytes * std::max<std::size_t>(1, in_flight);
 }
 

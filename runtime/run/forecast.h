@@ -43,14 +43,7 @@ struct Forecast {
     int cores = 0;  ///< threads
 };
 
-/// How often a node works in a run, or in a part of one.
-struct NodeWork {
-    bool once = false;     ///< it finishes, or runs once
-    std::size_t runs = 0;  ///< frames that it computes
-    /// For a gathering node: frames taken from its inputs, and from cached digests.
-    std::size_t consumed_inputs = 0, consumed_digests = 0;
-};
-/// Estimated bytes of memory that a node takes.
+/// Estimated bytes of memory that a node takes in a run, or in a part of one.
 /// @param cost  in the setting of the run
 /// @param input_bytes  of a reader's frame; 0: unknown
 std::uint64_t memory_of(const Node& node, const NodeCost& cost, const NodeWork& work,

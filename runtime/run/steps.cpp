@@ -21,13 +21,6 @@ using Consume = Schedule::Consume;
 /// Index of the step that makes a result; nothing: no step so far.
 using Maker = std::optional<std::size_t>;
 
-/// The work of a node in a step, all frames together.
-struct StepWork {
-    Calls calls;
-    NodeLoad load;
-    NodeFrames frames;
-};
-
 /// Per-frame nodes that a node reads in a frame, itself included, up to those whose results are
 /// kept.
 std::set<std::size_t> computed_with(const Pipeline& pipeline, std::size_t node) {
@@ -173,14 +166,11 @@ private:
             {[&](std::size_t n, std::size_t place) { return maker(n, place).has_value(); },
              [&](std::size_t n, std::size_t place) { return digests_[n][place].has_value(); },
              wants, delivers, [&](std::size_t n, std::size_t) { return pipeline_.nodes[n].kept; }});
-        const auto nothing = [](std::size_t, std::size_t) { return false; };
-        const auto uncached =
-            make_schedule(pipeline_, plan, delivered, {nothing, nothing, wants, delivers, nothing});
         const auto needed = makers_of(schedule);
         step.needs = without_implied(needed);
         all_needs_.push_back(closure(needed));
         step.target.only = make(schedule, plan, out_.size());
-        set_cost(step, schedule, loads_of(pipeline_, plan, schedule, uncached), places.size());
+        set_cost(step, work_of(schedule), places.size());
         out_.push_back(std::move(step));
     }
 
@@ -239,19 +229,15 @@ private:
         return out;
     }
 
-    void set_cost(RunStep& step, const Schedule& schedule, const std::vector<NodeLoad>& loads,
-                  std::size_t all) const {
-        const auto calls = calls_of(schedule);
+    /// @param works  per node: in all frames of the step. @param all  how many these are
+    void set_cost(RunStep& step, std::vector<NodeWork> works, std::size_t all) const {
         // A step may read fewer grids than the whole run, and so has frames of another size.
         RunRequest request{.options = options_, .target = step.target};
         request.options.cache = false;
         if (step.chunked) request.target.frames = FrameSet(step.frames);
         Report unused(pipeline_);
         const Preparation own(pipeline_, registry_, request, unused);
-        const auto expected = expected_costs(pipeline_, own, calls, loads, history_, options_);
-        std::vector<StepWork> works;
-        for (std::size_t n = 0; n < calls.size(); ++n)
-            works.push_back({calls[n], loads[n], frames_of(schedule, n)});
+        const auto expected = expected_costs(pipeline_, own, works, history_, options_);
         step.cost = [&pipeline = pipeline_, options = options_,
                      input_bytes = own.inputs().frame_bytes, works = std::move(works), expected,
                      all](std::size_t frames) {
@@ -261,15 +247,11 @@ private:
                 return all == 0 ? count : (count * std::min(frames, all) + all - 1) / all;
             };
             for (std::size_t n = 0; n < works.size(); ++n) {
-                const auto& [calls, load, at] = works[n];
                 const auto& node = pipeline.nodes[n];
-                const auto results = calls.loads - at.consumed_digests.size();
-                const Calls own{part(calls.runs), part(calls.consumed),
-                                part(results) + at.consumed_digests.size(), calls.once};
-                out.seconds += expected_seconds(expected[n], own, out.all_measured);
-                const NodeWork work{own.once,
-                                    node.rate == Rate::frame && !load.only_digests ? own.runs : 0,
-                                    own.consumed, load.consumed_digests};
+                auto work = works[n];
+                for (auto* const count : {&work.runs, &work.consumed_inputs, &work.loaded_results})
+                    *count = part(*count);
+                out.seconds += expected_seconds(expected[n], work, out.all_measured);
                 out.memory += memory_of(node, expected[n], work, input_bytes, options);
                 out.disk += disk_of(node, expected[n], work, input_bytes);
             }
