@@ -1,5 +1,6 @@
 #include "carve/base/frame_set.h"
 #include "formats/file/confinement.h"
+#include "formats/file/full_path.h"
 #include "formats/file/path_pattern.h"
 #include "graph/file_claims.h"
 #include "graph/pipeline_builder.h"
@@ -7,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <tuple>
 #include <utility>
 
@@ -158,9 +158,7 @@ bool PipelineBuilder::blame_reader(const Node& writer, const Mark& mark, const F
 void PipelineBuilder::check_written(const FrameSet& frames) {
     // Patterns of two kinds may name the same files.
     const auto files_of = [&](const PathPattern& path) {
-        const auto file = [&](int frame) {
-            return std::filesystem::absolute(path.at(frame)).lexically_normal();
-        };
+        const auto file = [&](int frame) { return full_path(path.at(frame)); };
         return std::pair(file(frames.frames().front()), file(frames.frames().back()));
     };
     const auto require_writer = [&](const UnfinishedNode& reader, const ParamSpec& spec,

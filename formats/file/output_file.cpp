@@ -2,6 +2,7 @@
 
 #include "carve/base/failure.h"
 #include "formats/file/confinement.h"
+#include "formats/file/full_path.h"
 
 #include <fmt/format.h>
 #include <csignal>
@@ -116,7 +117,7 @@ bool is_stream(const fs::path& path) {
         kind == fs::file_type::block || kind == fs::file_type::socket)
         return true;
     if (kind == fs::file_type::not_found) return false;
-    const auto place = fs::absolute(path, error).lexically_normal().string();
+    const auto place = full_path(path).string();
     const auto target =
         fs::is_symlink(path, error) ? fs::read_symlink(path, error).string() : std::string();
     return place.starts_with("/proc/") || place.starts_with("/dev/fd/") ||

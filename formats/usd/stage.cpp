@@ -1,5 +1,6 @@
 #include "formats/usd/stage.h"
 
+#include "formats/file/full_path.h"
 #include "formats/geometry_file/usda.h"
 
 #include <fmt/format.h>
@@ -19,7 +20,7 @@ constexpr std::string_view root = "shot";  ///< name of the prim that holds all 
 class StageWriter {
 public:
     StageWriter(const UsdStage& stage, const std::string& path)
-        : stage_(stage), folder_(absolute(path).parent_path()) {}
+        : stage_(stage), folder_(full_path(path).parent_path()) {}
 
     std::string text() {
         line("#usda 1.0");
@@ -60,14 +61,10 @@ private:
         line("{}", end);
     }
 
-    static fs::path absolute(const std::string& path) {
-        return fs::absolute(path).lexically_normal();
-    }
-
     /// A file of a part as an asset.
     std::string asset(const UsdStage::Part& part, int frame) const {
         const auto from_here =
-            absolute(part.file.at(frame)).lexically_relative(folder_).generic_string();
+            full_path(part.file.at(frame)).lexically_relative(folder_).generic_string();
         // A path that does not begin with a dot would be looked for in other places, too.
         return usd_asset(from_here.starts_with("../") ? from_here : "./" + from_here);
     }

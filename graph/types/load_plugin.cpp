@@ -1,6 +1,7 @@
 #include "graph/types/load_plugin.h"
 
 #include "formats/file/confinement.h"
+#include "formats/file/full_path.h"
 #include "formats/file/input_file.h"
 #include "graph/types/plugin.h"
 
@@ -148,7 +149,7 @@ std::optional<fs::path> find_file(const Value& path, const PluginTrust& trust,
     for (const auto& folder : trust.folders) folders.emplace_back(folder);
     for (const auto& folder : folders) {
         std::error_code error;
-        const auto file = fs::absolute(folder / path.text, error).lexically_normal();
+        const auto file = full_path(folder / path.text);
         if (fs::is_regular_file(file, error)) return fs::canonical(file, error);
         if (std::find(looked.begin(), looked.end(), file.string()) == looked.end())
             looked.push_back(file.string());

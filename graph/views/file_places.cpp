@@ -1,20 +1,13 @@
 #include "graph/views/file_places.h"
 
 #include "carve/base/one_line.h"
+#include "formats/file/full_path.h"
 
 #include <fmt/format.h>
 
 #include <filesystem>
 
 namespace fluidcarve {
-namespace {
-
-std::string absolute(const std::string& path) {
-    std::error_code error;
-    return std::filesystem::absolute(path, error).lexically_normal().string();
-}
-
-}  // namespace
 
 FilePlaces file_places(const Pipeline& pipeline) {
     FilePlaces out;
@@ -26,11 +19,11 @@ FilePlaces file_places(const Pipeline& pipeline) {
             if (pattern.text().empty()) continue;
             FilePlace place{node.name,
                             spec.name,
-                            absolute(pattern.in_its_folder()),
+                            full_path(pattern.in_its_folder()).string(),
                             writes,
                             !writes && pattern.exists(),
                             {}};
-            if (const auto here = absolute(pattern.text());
+            if (const auto here = full_path(pattern.text()).string();
                 !writes && !place.found && here != place.path)
                 place.tried_at = here;
             out.push_back(std::move(place));

@@ -2,6 +2,7 @@
 
 #include "carve/base/failure.h"
 #include "carve/base/words.h"
+#include "formats/file/full_path.h"
 #include "graph/types/node_type.h"
 
 #include <fmt/format.h>
@@ -19,13 +20,7 @@ bool there(const InputPath& path, int frame) {
     return std::filesystem::exists(path.at(frame), ignored);
 }
 
-bool same_place(const std::string& a, const std::string& b) {
-    std::error_code ignored;
-    const auto place = [&](const std::string& path) {
-        return std::filesystem::absolute(path, ignored).lexically_normal();
-    };
-    return place(a) == place(b);
-}
+bool same_place(const std::string& a, const std::string& b) { return full_path(a) == full_path(b); }
 
 /// The frame whose file a frame uses: its own, else the nearest before, else the nearest after.
 int held(const InputPath& path, const std::vector<int>& frames, int frame) {

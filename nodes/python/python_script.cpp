@@ -2,6 +2,7 @@
 
 #include "carve/base/limits.h"
 #include "formats/file/confinement.h"
+#include "formats/file/full_path.h"
 #include "graph/types/context.h"
 #include "graph/types/node_check.h"
 #include "nodes/python/workers.h"
@@ -26,7 +27,7 @@ std::string interpreter_of(const PythonParams& params) {
 }
 
 std::string path_of_script(const PythonParams& params) {
-    return std::filesystem::absolute(params.script.at(0)).lexically_normal().string();
+    return full_path(params.script.at(0)).string();
 }
 
 /// Facts about a script, by interpreter and path, as its first worker reported.

@@ -3,6 +3,7 @@
 #include "carve/base/failure.h"
 #include "carve/base/one_line.h"
 #include "carve/base/words.h"
+#include "formats/file/full_path.h"
 #include "graph/text/shell_word.h"
 #include "runtime/tell/exit_codes.h"
 #include "runtime/tell/terminal.h"
@@ -352,9 +353,7 @@ std::string openjd_refusal(const FarmRequest& request) {
 }
 
 int farm_openjd(const FarmJob& job, const FarmRequest& request) {
-    const auto folder = fs::absolute(request.output.empty() ? job.name : request.output)
-                            .lexically_normal()
-                            .string();
+    const auto folder = full_path(request.output.empty() ? job.name : request.output).string();
     write_job_files(folder, openjd_files(job, folder, request.chunk_ranges));
     if (!request.quiet)
         tell(fmt::format("{}: a job bundle of {}", folder, counted(job.steps.size(), "step")));

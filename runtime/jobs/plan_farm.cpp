@@ -2,6 +2,7 @@
 
 #include "carve/base/frame_set.h"
 #include "carve/base/words.h"
+#include "formats/file/full_path.h"
 #include "formats/file/path_pattern.h"
 #include "graph/views/file_places.h"
 #include "runtime/keep/content_hash.h"
@@ -28,10 +29,6 @@ constexpr double minutes_wanted = 10;          ///< wanted time of a task, by de
 constexpr std::uint64_t program_bytes = std::uint64_t{256}
                                         << 20;  ///< memory of a run besides its data
 constexpr double memory_margin = 1.25;
-
-std::string absolute(const std::string& path) {
-    return fs::absolute(path).lexically_normal().string();
-}
 
 /// Most frames of a task.
 std::size_t frames_of_task(const RunStep& step, const FarmChunking& chunking) {
@@ -64,13 +61,13 @@ std::vector<FarmPath> paths_of(const Pipeline& pipeline, const std::string& work
     std::vector<FarmPath> out;
     for (std::size_t n = 0; n < pipeline.files.size(); ++n)
         out.push_back({n == 0 ? "pipeline" : fmt::format("pipeline {}", n + 1),
-                       absolute(pipeline.files[n]),
+                       full_path(pipeline.files[n]).string(),
                        {},
                        false,
                        true,
                        false});
     std::set<std::string> plugins;
-    for (const auto& [type, file] : pipeline.plugins) plugins.insert(absolute(file));
+    for (const auto& [type, file] : pipeline.plugins) plugins.insert(full_path(file).string());
     for (const auto& file : plugins) out.push_back({"plugin", file, {}, false, true, false});
     for (const auto& place : file_places(pipeline)) {
         // An input that does not lie beside the pipeline is at its other place.

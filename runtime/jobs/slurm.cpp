@@ -3,6 +3,7 @@
 #include "carve/base/failure.h"
 #include "carve/base/one_line.h"
 #include "carve/base/words.h"
+#include "formats/file/full_path.h"
 #include "graph/text/shell_word.h"
 #include "runtime/tell/exit_codes.h"
 #include "runtime/tell/terminal.h"
@@ -212,8 +213,7 @@ std::string slurm_refusal(const FarmRequest& request) {
 }
 
 int farm_slurm(const FarmJob& job, const FarmRequest& request) {
-    const auto folder =
-        fs::absolute(request.output.empty() ? job.name : request.output).lexically_normal();
+    const auto folder = full_path(request.output.empty() ? job.name : request.output);
     const auto submit = (folder / "submit").string();
     write_job_files(folder.string(), slurm_files(job));
     if (request.submit) {

@@ -2,6 +2,7 @@
 
 #include "carve/base/descriptor.h"
 #include "formats/file/confinement.h"
+#include "formats/file/full_path.h"
 #include "formats/file/input_file.h"
 #include "formats/file/output_file.h"
 
@@ -188,11 +189,9 @@ Manifest::Manifest(std::string path) : path_(std::move(path)), listed_(entries_i
 }
 
 std::string Manifest::name_of(const std::string& file) const {
-    const auto whole = [](const std::string& path) {
-        return std::filesystem::absolute(path).lexically_normal();
-    };
-    const auto below = whole(file).lexically_relative(whole(path_).parent_path());
-    return below.empty() || *below.begin() == ".." ? whole(file).string() : below.string();
+    const auto full = full_path(file);
+    const auto below = full.lexically_relative(full_path(path_).parent_path());
+    return below.empty() || *below.begin() == ".." ? full.string() : below.string();
 }
 
 void Manifest::compare(const std::string& file, const Entry& now, const Entry& listed) const {

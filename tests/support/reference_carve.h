@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <random>
 #include <type_traits>
 #include <vector>
@@ -36,6 +37,16 @@ struct Dense {
             static_cast<std::size_t>((from.x() * size.y() + from.y()) * size.z() + from.z()));
     }
 };
+
+/// Whether two boxes have the same states, and values of the same bytes.
+template <class T>
+bool same(const Dense<T>& a, const Dense<T>& b) {
+    for (std::size_t n = 0; n < a.voxels.size(); ++n)
+        if (a.voxels[n].on != b.voxels[n].on ||
+            std::memcmp(&a.voxels[n].value, &b.voxels[n].value, sizeof(T)) != 0)
+            return false;
+    return true;
+}
 
 /// Where lattice vertices are voxels: vertex (i, j, k) at origin + i step[0] + j step[1] + k
 /// step[2].

@@ -1,6 +1,7 @@
 #include "tools/verbs/verbs.h"
 
 #include "carve/base/words.h"
+#include "formats/file/full_path.h"
 #include "graph/provenance.h"
 #include "graph/text/shell_word.h"
 #include "runtime/jobs/engine.h"
@@ -135,7 +136,7 @@ void fill_in(RunArguments& run, const FarmEngine& engine, int processes) {
 /// @return why they can't; empty: they can, or need not
 std::string place_work_folder(RunRequest& request, const FarmEngine& engine) {
     auto& work = request.options.work_folder;
-    work = fs::absolute(work).lexically_normal().string();
+    work = full_path(work).string();
     if (!engine.other_machines) return {};
     if (lies_in(work, memories))
         return fmt::format(

@@ -128,6 +128,16 @@ void ExpressionChecker::require_divisor(const Node& divisor, const KnownValue& d
           "* a / b");
 }
 
+template <class Operation>
+void ExpressionChecker::require_operation(const Operation& node, const KnownValue& left,
+                                          const KnownValue& right) {
+    const auto operation = node.operation();
+    if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT)
+        fault(node, "bit shifts are not supported");
+    if (operation == tokens::DIVIDE || operation == tokens::MODULO)
+        require_divisor(*node.rhs(), left, right);
+}
+
 void ExpressionChecker::require_writable(const Node& target) {
     const Node* node = &target;
     if (node->nodetype() == Node::ArrayUnpackNode) node = as<ast::ArrayUnpack>(*node).expression();
@@ -303,12 +313,8 @@ ExpressionChecker::KnownValue ExpressionChecker::unary(const ast::UnaryOperator&
 
 ExpressionChecker::KnownValue ExpressionChecker::binary(const ast::BinaryOperator& node) {
     const auto left = visit(node.lhs()), right = visit(node.rhs());
-    const auto operation = node.operation();
-    if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT)
-        fault(node, "bit shifts are not supported");
-    if (operation == tokens::DIVIDE || operation == tokens::MODULO)
-        require_divisor(*node.rhs(), left, right);
-    const auto kind = tokens::operatorType(operation);
+    require_operation(node, left, right);
+    const auto kind = tokens::operatorType(node.operation());
     if (kind == tokens::LOGICAL || kind == tokens::RELATIONAL) return known(tokens::BOOL);
     return joined(left, right);
 }
@@ -330,11 +336,7 @@ ExpressionChecker::KnownValue ExpressionChecker::assign(const ast::AssignExpress
                    fmt::format("@{} is a number, not '{}'", expression_.output,
                                as<ast::Attribute>(*target).tokenname()));
     // The parser keeps `a /= b` as an assignment with a division.
-    const auto operation = node.operation();
-    if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT)
-        fault(node, "bit shifts are not supported");
-    if (operation == tokens::DIVIDE || operation == tokens::MODULO)
-        require_divisor(*node.rhs(), left, right);
+    require_operation(node, left, right);
     return left;
 }
 

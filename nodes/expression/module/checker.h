@@ -70,6 +70,10 @@ private:
     static KnownValue joined(const KnownValue& a, const KnownValue& b);
     void require_offered(const Node& node, Type type);
     void require_divisor(const Node& divisor, const KnownValue& divided, const KnownValue& by);
+    /// Reports a bit shift, and a division of whole numbers by what may be 0.
+    /// @param node  of two sides, with an operation: a BinaryOperator or an AssignExpression
+    template <class Operation>
+    void require_operation(const Operation& node, const KnownValue& left, const KnownValue& right);
     /// Reports a fault if the target of an assignment is an input or a loop counter.
     void require_writable(const Node& target);
     /// The value of an integer literal or a constant; nothing for other expressions.

@@ -81,15 +81,6 @@ struct OnVoxels {
     }
 };
 
-template <class T>
-bool same(const Dense<T>& a, const Dense<T>& b) {
-    for (std::size_t n = 0; n < a.voxels.size(); ++n)
-        if (a.voxels[n].on != b.voxels[n].on ||
-            std::memcmp(&a.voxels[n].value, &b.voxels[n].value, sizeof(T)) != 0)
-            return false;
-    return true;
-}
-
 /// All voxels that carving may change, and a rim around them.
 CoordBBox around(const Layout& layout, const std::array<int, 3>& reach) {
     CoordBBox out(layout.origin, layout.origin);

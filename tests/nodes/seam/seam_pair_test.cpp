@@ -7,7 +7,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <cstring>
 #include <set>
 
 using namespace fluidcarve;
@@ -31,15 +30,6 @@ typename Grid::Ptr noise(std::mt19937& random, const CoordBBox& box) {
         else values.setValueOn(*at, T(int(random() % 1000)));
     }
     return grid;
-}
-
-template <class T>
-bool same(const Dense<T>& a, const Dense<T>& b) {
-    for (std::size_t n = 0; n < a.voxels.size(); ++n)
-        if (a.voxels[n].on != b.voxels[n].on ||
-            std::memcmp(&a.voxels[n].value, &b.voxels[n].value, sizeof(T)) != 0)
-            return false;
-    return true;
 }
 
 /// `count` pairs along planes: at `first` and at `second`, entries that rise or stay as the kind
