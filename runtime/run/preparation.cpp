@@ -49,6 +49,7 @@ Preparation::Preparation(const Pipeline& pipeline, const Registry& registry,
       guard_(manifest, files_to_read(pipeline, plan_, request.target.frames)),
       inputs_(survey_inputs(pipeline, plan_, request.target.frames, request.options.cache, report)),
       delivered_(delivered_of(frames(), request.target.frames)),
+      uncached_schedule_(make_uncached_schedule()),
       cache_(registry, folder_of(request.options, "")),
       files_(folder_of(request.options, "/files")),
       dependencies_(pipeline, inputs_.timelines, inputs_.stand_ins, files_),
@@ -180,7 +181,7 @@ Schedule Preparation::schedule(bool careful) {
     return make_schedule(pipeline_, plan_, delivered_, known);
 }
 
-Schedule Preparation::uncached_schedule() const {
+Schedule Preparation::make_uncached_schedule() const {
     const auto nothing = [](std::size_t, std::size_t) { return false; };
     return make_schedule(
         pipeline_, plan_, delivered_,
@@ -190,7 +191,7 @@ Schedule Preparation::uncached_schedule() const {
 
 void Preparation::repeat_logs(const Schedule& schedule, Report& report) {
     if (!cache_.on()) return;
-    const auto uncached = uncached_schedule();
+    const auto& uncached = uncached_schedule_;
     const auto runs_once = [](const Schedule& in, std::size_t n) {
         return in.once[n] == Schedule::Action::run;
     };

@@ -57,7 +57,12 @@ public:
     /// uses, and does not expect to load results that this run is yet to compute.
     Schedule careful_schedule();
     /// The schedule with an empty cache.
-    Schedule uncached_schedule() const;
+    const Schedule& uncached_schedule() const { return uncached_schedule_; }
+    /// What the nodes do in a schedule of this plan, of what they would do with an empty cache.
+    /// @return one load per node
+    std::vector<NodeLoad> loads(const Schedule& schedule) const {
+        return loads_of(pipeline_, plan_, schedule, uncached_schedule_);
+    }
     /// Adds to the report the warnings and entries of all cached results that the schedule uses.
     void repeat_logs(const Schedule& schedule, Report& report);
 
@@ -67,12 +72,14 @@ private:
                                             const std::string& path)>& see) const;
     void compare(Manifest& manifest);
     Schedule schedule(bool careful);
+    Schedule make_uncached_schedule() const;
 
     const Pipeline& pipeline_;
     const Plan plan_;
     InputGuard guard_;
     const Inputs inputs_;
     const std::vector<bool> delivered_;  ///< per place in `frames()`
+    const Schedule uncached_schedule_;   ///< made from the members above
     Cache cache_;
     FileHashes files_;
     const Dependencies dependencies_;

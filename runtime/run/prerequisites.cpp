@@ -82,10 +82,9 @@ Prerequisites wait_for_prerequisites(const Pipeline& pipeline, Preparation& prep
     const auto end =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
                            std::min(request.wait.value_or(0), longest)));
-    const auto uncached = prepared.uncached_schedule();
     while (true) {
         Prerequisites out{prepared.schedule(), {}, {}};
-        out.loads = loads_of(pipeline, prepared.plan(), out.schedule, uncached);
+        out.loads = prepared.loads(out.schedule);
         out.missing = missing_in(pipeline, prepared.plan(), out.loads, request);
         if (const auto unread = prepared.cache().unread(); !unread.empty())
             for (auto& fault : out.missing)

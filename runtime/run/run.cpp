@@ -79,7 +79,7 @@ bool keeps_what_was_asked(const Pipeline& pipeline, Preparation& prepared,
     if (request.target.to.empty() || !request.options.cache) return true;
     const auto& plan = prepared.plan();
     auto fault = prepared.cache().fault();
-    const auto left = loads_of(pipeline, plan, prepared.schedule(), prepared.uncached_schedule());
+    const auto left = prepared.loads(prepared.schedule());
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         const bool asked = plan.digested[n] ? digests_apart(node)
@@ -161,7 +161,7 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     for (const auto& fault : report.faults()) tell("failed: " + to_text(fault));
     if (!report.faults().empty()) return exit_code::input;
     const auto schedule = prepared.schedule();
-    const auto to_do = loads_of(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
+    const auto to_do = prepared.loads(schedule);
     if (!request.quiet) tell_of_unread(prepared.cache());
     const History history(request.options.cache ? request.options.work_folder : std::string(),
                           pipeline.name);
@@ -255,7 +255,7 @@ private:
         // repeat_logs found a damaged entry: its result must be computed again.
         if (prepared.cache().damaged() > 0) {
             schedule = prepared.careful_schedule();
-            to_do = loads_of(pipeline_, prepared.plan(), schedule, prepared.uncached_schedule());
+            to_do = prepared.loads(schedule);
         }
         History history(work_folder(), pipeline_.name);
         const auto forecast =

@@ -83,7 +83,7 @@ public:
 
     std::vector<RunStep> steps() {
         const auto& plan = prepared_.plan();
-        const auto whole = prepared_.uncached_schedule();
+        const auto& whole = prepared_.uncached_schedule();
         for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
             const auto& node = pipeline_.nodes[n];
             const auto taken = frames_of(whole, n).consumed_inputs;

@@ -88,10 +88,8 @@ struct Shot {
         const auto schedule = prepared.schedule();
         const History history(request.options.cache ? request.options.work_folder : "",
                               pipeline.name);
-        return to_json(make_forecast(
-            pipeline, prepared, schedule,
-            loads_of(pipeline, prepared.plan(), schedule, prepared.uncached_schedule()), history,
-            request.options));
+        return to_json(make_forecast(pipeline, prepared, schedule, prepared.loads(schedule),
+                                     history, request.options));
     }
     /// Runs frame after frame. Once the log has a line, the file of a frame is another one.
     void change_at(const std::string& line, int frame) {
