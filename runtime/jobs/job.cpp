@@ -15,14 +15,14 @@ namespace {
 FrameSet frames_of(const FarmStep& step) {
     std::vector<int> out;
     for (const auto& task : step.tasks)
-        out.insert(out.end(), task.frames.frames().begin(), task.frames.frames().end());
+        out.insert(out.end(), task.frames().begin(), task.frames().end());
     return FrameSet(std::move(out));
 }
 
 /// "about 1.2 min, 4 cores, 2.3 GB, writes 1.2 GB".
-std::string to_text(const FarmResources& resources) {
+std::string to_text(const RunNeeds& resources) {
     std::vector<std::string> out;
-    if (resources.seconds > 0) out.push_back("about " + duration_text(resources.seconds));
+    if (resources.seconds > 0) out.push_back("about " + duration_text(*resources.seconds));
     if (resources.cores > 0)
         out.push_back(counted(static_cast<std::size_t>(resources.cores), "core"));
     if (resources.memory > 0) out.push_back("memory " + size_text(resources.memory));
@@ -44,21 +44,21 @@ std::size_t FarmJob::tasks() const {
 }
 
 std::vector<std::string> command_of(const FarmJob& job, const FarmStep& step,
-                                    const FarmTask& task) {
+                                    const FrameSet& task) {
     auto out = job.prefix;
     out.push_back(job.executable);
     out.insert(out.end(), step.arguments.begin(), step.arguments.end());
-    if (!task.frames.frames().empty()) out.push_back("--frames=" + task.frames.text());
+    if (!task.frames().empty()) out.push_back("--frames=" + task.text());
     return out;
 }
 
-std::vector<FarmTask> chunks_of(const FrameSet& frames, std::size_t most) {
-    std::vector<FarmTask> out;
+std::vector<FrameSet> chunks_of(const FrameSet& frames, std::size_t most) {
+    std::vector<FrameSet> out;
     const auto& all = frames.frames();
     for (std::size_t begin = 0; begin < all.size(); begin += most) {
         const auto end = std::min(all.size(), begin + most);
-        out.push_back({FrameSet({all.begin() + static_cast<std::ptrdiff_t>(begin),
-                                 all.begin() + static_cast<std::ptrdiff_t>(end)})});
+        out.push_back(FrameSet({all.begin() + static_cast<std::ptrdiff_t>(begin),
+                                all.begin() + static_cast<std::ptrdiff_t>(end)}));
     }
     return out;
 }
@@ -94,7 +94,7 @@ nlohmann::ordered_json to_json(const FarmJob& job) {
                       {"memory", step.resources.memory},
                       {"disk", step.resources.disk},
                       {"command", command_of(job, step, step.tasks.front())}});
-        if (step.resources.seconds > 0) entry["seconds"] = step.resources.seconds;
+        if (step.resources.seconds > 0) entry["seconds"] = *step.resources.seconds;
     }
     return out;
 }

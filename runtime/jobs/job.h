@@ -1,29 +1,16 @@
 #pragma once
 
 #include "carve/base/frame_set.h"
+#include "runtime/run/run_needs.h"
 
 #include <nlohmann/json.hpp>
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace fluidcarve {
-
-/// Resources that a task needs. 0: unknown.
-struct FarmResources {
-    int cores = 0;
-    std::uint64_t memory = 0;  ///< bytes
-    std::uint64_t disk = 0;    ///< bytes written, in the work folder and as outputs
-    double seconds = 0;        ///< wall time
-};
-
-/// One process of a step.
-struct FarmTask {
-    FrameSet frames;  ///< for -f; empty: the step has one task, without -f
-};
 
 /// A part of a run that waits for other parts (RunStep).
 struct FarmStep {
@@ -31,9 +18,11 @@ struct FarmStep {
     std::string what;                    ///< what it does, as a clause
     std::vector<std::string> needs;      ///< names of the steps that must have succeeded
     std::vector<std::string> arguments;  ///< words after `fluidcarve`, from `run` on, without -f
-    bool chunked = false;         ///< its tasks have frames of their own, each frame in one task
-    std::vector<FarmTask> tasks;  ///< at least one
-    FarmResources resources;      ///< of its largest task
+    bool chunked = false;  ///< its tasks have frames of their own, each frame in one task
+    /// The frames of each task, for -f; a task is one process. If the step is not chunked: one
+    /// task, without frames and without -f.
+    std::vector<FrameSet> tasks;
+    RunNeeds resources;  ///< of its largest task
 };
 
 /// A file, sequence or folder that the pipeline reads or writes.
@@ -75,10 +64,11 @@ struct FarmChunking {
 
 /// The words of a task's command: prefix, program, arguments and frames. Frames are joined to
 /// their option (`--frames=`), since they may be negative.
-std::vector<std::string> command_of(const FarmJob& job, const FarmStep& step, const FarmTask& task);
+/// @param task  its frames
+std::vector<std::string> command_of(const FarmJob& job, const FarmStep& step, const FrameSet& task);
 
 /// Splits frames into tasks of at most `most`, in order, each frame in one.
-std::vector<FarmTask> chunks_of(const FrameSet& frames, std::size_t most);
+std::vector<FrameSet> chunks_of(const FrameSet& frames, std::size_t most);
 
 /// The job for people: its steps, what each waits for, its tasks and their resources, and the
 /// command of its first task.

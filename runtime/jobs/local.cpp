@@ -116,7 +116,7 @@ private:
 
     std::string name(const Running& task) const {
         const auto& step = job_.steps[task.step];
-        return task_name(step.name, step.tasks[task.task].frames);
+        return task_name(step.name, step.tasks[task.task]);
     }
 
     bool needs(std::size_t step, std::size_t other) const {

@@ -209,7 +209,7 @@ private:
         return out;
     }
 
-    static Json amounts_of(const FarmResources& resources) {
+    static Json amounts_of(const RunNeeds& resources) {
         Json out = Json::array();
         const auto add = [&](const char* name, std::uint64_t least) {
             if (least > 0) out.push_back({{"name", name}, {"min", least}});
@@ -228,8 +228,8 @@ private:
         std::vector<int> all;
         std::size_t most = 1;
         for (const auto& task : step.tasks) {
-            all.insert(all.end(), task.frames.frames().begin(), task.frames.frames().end());
-            most = std::max(most, task.frames.frames().size());
+            all.insert(all.end(), task.frames().begin(), task.frames().end());
+            most = std::max(most, task.frames().size());
         }
         std::ranges::sort(all);
         frames = "{{Task.Param.Frames}}";
@@ -246,7 +246,7 @@ private:
         Json first = Json::array(), last = Json::array(), by = Json::array();
         bool even = true;
         for (const auto& task : step.tasks)
-            for (const auto& run : even_parts(task.frames.frames())) {
+            for (const auto& run : even_parts(task.frames())) {
                 first.push_back(run.first);
                 last.push_back(run.last);
                 by.push_back(run.step);

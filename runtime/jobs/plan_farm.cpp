@@ -36,10 +36,10 @@ std::size_t frames_of_task(const RunStep& step, const FarmChunking& chunking) {
     if (chunking.frames) return *chunking.frames;
     if (chunking.tasks) return (all + *chunking.tasks - 1) / *chunking.tasks;
     const auto one = step.cost(1), whole = step.cost(all);
-    if (!whole.all_measured) return frames_unmeasured;
+    if (!one.seconds || !whole.seconds) return frames_unmeasured;
     const auto each =
-        all > 1 ? (whole.seconds - one.seconds) / static_cast<double>(all - 1) : one.seconds;
-    const auto wanted = chunking.minutes.value_or(minutes_wanted) * 60 - (one.seconds - each);
+        all > 1 ? (*whole.seconds - *one.seconds) / static_cast<double>(all - 1) : *one.seconds;
+    const auto wanted = chunking.minutes.value_or(minutes_wanted) * 60 - (*one.seconds - each);
     if (!(each > 0) || wanted >= each * static_cast<double>(all)) return all;
     const auto most = static_cast<std::size_t>(std::max(1.0, std::floor(wanted / each)));
     // The same number of tasks, but all of about the same size.
@@ -47,13 +47,13 @@ std::size_t frames_of_task(const RunStep& step, const FarmChunking& chunking) {
     return (all + tasks - 1) / tasks;
 }
 
-FarmResources resources_of(const RunCost& cost) {
-    const auto memory =
-        cost.memory == 0
-            ? 0
-            : static_cast<std::uint64_t>(memory_margin * static_cast<double>(cost.memory)) +
-                  program_bytes;
-    return {cost.cores, memory, cost.disk, cost.all_measured ? cost.seconds : 0};
+/// What to ask of a farm: memory with a margin.
+RunNeeds asked_for(RunNeeds needs) {
+    if (needs.memory > 0)
+        needs.memory =
+            static_cast<std::uint64_t>(memory_margin * static_cast<double>(needs.memory)) +
+            program_bytes;
+    return needs;
 }
 
 /// All files and folders that the run reads and writes.
@@ -107,8 +107,8 @@ FarmStep farm_step(const RunStep& step, const std::vector<RunStep>& steps,
     out.chunked = step.chunked;
     for (const auto need : step.needs) out.needs.push_back(steps[need].name);
     out.tasks = step.chunked ? chunks_of(FrameSet(step.frames), frames_of_task(step, chunking))
-                             : std::vector<FarmTask>(1);
-    out.resources = resources_of(step.cost(out.tasks.front().frames.frames().size()));
+                             : std::vector<FrameSet>(1);
+    out.resources = asked_for(step.cost(out.tasks.front().frames().size()));
     return out;
 }
 
@@ -138,7 +138,7 @@ void warn_of_costs(const std::vector<RunStep>& steps, const FarmChunking& chunki
     for (const auto& step : steps) {
         const auto whole = step.cost(step.frames.size());
         kept += whole.disk;
-        if (step.chunked && !whole.all_measured) unmeasured.push_back(step.name);
+        if (step.chunked && !whole.seconds) unmeasured.push_back(step.name);
     }
     if (chunking.minutes && !unmeasured.empty())
         tell(fmt::format(

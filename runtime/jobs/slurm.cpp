@@ -126,14 +126,14 @@ echo "cancel:    scancel ${ids[*]}"
 /// The purpose of a step, and its number of tasks, as a comment.
 std::string comment_of(const FarmStep& step) {
     std::size_t frames = 0;
-    for (const auto& task : step.tasks) frames += task.frames.frames().size();
+    for (const auto& task : step.tasks) frames += task.frames().size();
     auto out = "# " + one_line(step.what);
     if (step.chunked)
         out +=
             fmt::format("; {} in {}", counted(frames, "frame"), counted(step.tasks.size(), "task"));
     std::vector<std::string> each;
     if (step.resources.seconds > 0)
-        each.push_back("takes about " + duration_text(step.resources.seconds));
+        each.push_back("takes about " + duration_text(*step.resources.seconds));
     if (step.resources.disk > 0) each.push_back("writes about " + size_text(step.resources.disk));
     return out + (each.empty() ? "" : fmt::format("; a task {}", fmt::join(each, " and "))) + "\n";
 }
@@ -150,8 +150,7 @@ std::string step_script(const FarmJob& job, const FarmStep& step) {
         "--signal=B:USR1@60\n";
     out += comment_of(step) + "\nchunks=(\n";
     for (const auto& task : step.tasks)
-        out +=
-            "    " + (step.chunked ? "--frames=" + task.frames.text() : std::string("''")) + "\n";
+        out += "    " + (step.chunked ? "--frames=" + task.text() : std::string("''")) + "\n";
     out += fmt::format(")\ncommand=({})\n", shell_line(command_of(job, step, {})));
     return out + fmt::format("folder={}\n", shell_word(job.folder)) + task_script;
 }

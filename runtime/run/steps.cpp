@@ -241,8 +241,9 @@ private:
         step.cost = [&pipeline = pipeline_, options = options_,
                      input_bytes = own.inputs().frame_bytes, works = std::move(works), expected,
                      all](std::size_t frames) {
-            RunCost out;
-            out.cores = options.threads;
+            RunNeeds out{.cores = options.threads};
+            double seconds = 0;
+            bool known = true;
             const auto part = [&](std::size_t count) {
                 return all == 0 ? count : (count * std::min(frames, all) + all - 1) / all;
             };
@@ -251,10 +252,11 @@ private:
                 auto work = works[n];
                 for (auto* const count : {&work.runs, &work.consumed_inputs, &work.loaded_results})
                     *count = part(*count);
-                out.seconds += expected_seconds(expected[n], work, out.all_measured);
+                seconds += expected_seconds(expected[n], work, known);
                 out.memory += memory_of(node, expected[n], work, input_bytes, options);
                 out.disk += disk_of(node, expected[n], work, input_bytes);
             }
+            if (known) out.seconds = seconds;
             return out;
         };
     }
@@ -287,7 +289,7 @@ nlohmann::ordered_json to_json(const std::vector<RunStep>& steps) {
             nlohmann::ordered_json{{"name", step.name}, {"what", step.what}, {"needs", needs}});
         if (step.chunked) entry["frames"] = FrameSet(step.frames).text();
         entry.update({{"cores", cost.cores}, {"memory", cost.memory}, {"disk", cost.disk}});
-        if (cost.all_measured) entry["seconds"] = cost.seconds;
+        if (cost.seconds) entry["seconds"] = *cost.seconds;
     }
     return out;
 }

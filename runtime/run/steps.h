@@ -2,25 +2,16 @@
 
 #include "runtime/keep/history.h"
 #include "runtime/run/preparation.h"
+#include "runtime/run/run_needs.h"
 
 #include <nlohmann/json.hpp>
 
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
 
 namespace fluidcarve {
-
-/// Resources that a run needs.
-struct RunCost {
-    int cores = 0;
-    double seconds = 0;        ///< wall time of the nodes that were measured before
-    bool all_measured = true;  ///< whether all were
-    std::uint64_t memory = 0;  ///< bytes; 0: unknown
-    std::uint64_t disk = 0;    ///< bytes that it writes; 0: unknown
-};
 
 /// A part of a run that can be a run of its own, on another machine. It finds the results of
 /// earlier steps in the work folder.
@@ -34,7 +25,7 @@ struct RunStep {
     std::vector<int> frames{};  ///< numbers of the frames that it digests or delivers; empty, if it
                                 ///< is not chunked
     /// Resources of one run. @param frames  that it takes, if the step is chunked
-    std::function<RunCost(std::size_t frames)> cost{};
+    std::function<RunNeeds(std::size_t frames)> cost{};
 };
 
 /// Cuts a run into steps, each after those that it needs: for every gathering node with digests a

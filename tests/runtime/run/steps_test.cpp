@@ -47,9 +47,9 @@ constexpr auto solved = R"(  load: {type: toy.count, path: in.##}
   top: {type: toy.top, number: square, count: 2}
 )";
 
-std::vector<std::string> texts_of(const std::vector<FarmTask>& tasks) {
+std::vector<std::string> texts_of(const std::vector<FrameSet>& tasks) {
     std::vector<std::string> out;
-    for (const auto& task : tasks) out.push_back(task.frames.text());
+    for (const auto& task : tasks) out.push_back(task.text());
     return out;
 }
 
@@ -109,9 +109,9 @@ TEST_CASE("tasks cover each frame once, whatever the frames") {
     for (const std::size_t most : {1, 3, 7, 1000}) {
         std::vector<int> covered;
         for (const auto& task : chunks_of(set, most)) {
-            CHECK(task.frames.frames().size() <= most);
+            CHECK(task.frames().size() <= most);
             // What the command line says is what is meant.
-            const auto said = FrameSet::parse(task.frames.text(), fault);
+            const auto said = FrameSet::parse(task.text(), fault);
             REQUIRE(said);
             covered.insert(covered.end(), said->frames().begin(), said->frames().end());
         }
