@@ -12,7 +12,7 @@ namespace fluidcarve {
 namespace {
 
 /// All frames of a step.
-FrameSet frames_of(const FarmStep& step) {
+FrameSet all_frames(const FarmStep& step) {
     std::vector<int> out;
     for (const auto& task : step.tasks)
         out.insert(out.end(), task.frames().begin(), task.frames().end());
@@ -71,7 +71,7 @@ std::string to_text(const FarmJob& job) {
         if (!step.needs.empty())
             out += fmt::format("  waits for {}\n", fmt::join(step.needs, ", "));
         if (step.chunked)
-            out += fmt::format("  frames {} in {}\n", frames_of(step).text(),
+            out += fmt::format("  frames {} in {}\n", all_frames(step).text(),
                                counted(step.tasks.size(), "task"));
         out += fmt::format("  a task: {}\n  {}\n", to_text(step.resources),
                            shell_line(command_of(job, step, step.tasks.front())));
@@ -88,7 +88,7 @@ nlohmann::ordered_json to_json(const FarmJob& job) {
     for (const auto& step : job.steps) {
         auto& entry = out["steps"].emplace_back(nlohmann::ordered_json{
             {"name", step.name}, {"what", step.what}, {"needs", step.needs}});
-        if (step.chunked) entry["frames"] = frames_of(step).text();
+        if (step.chunked) entry["frames"] = all_frames(step).text();
         entry.update({{"tasks", step.tasks.size()},
                       {"cores", step.resources.cores},
                       {"memory", step.resources.memory},

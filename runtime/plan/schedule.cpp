@@ -192,7 +192,7 @@ std::vector<NodeWork> work_of(const Schedule& schedule) {
     return out;
 }
 
-NodeFrames frames_of(const Schedule& schedule, std::size_t n) {
+NodeFrames working_frames(const Schedule& schedule, std::size_t n) {
     NodeFrames out;
     for (const auto& pass : schedule.frames)
         for (std::size_t place = 0; place < pass.size(); ++place) {
@@ -208,7 +208,7 @@ std::vector<NodeLoad> loads_of(const Pipeline& pipeline, const Plan& plan, const
     std::vector<NodeLoad> out(pipeline.nodes.size());
     for (std::size_t n = 0; n < out.size(); ++n) {
         const auto& node = pipeline.nodes[n];
-        const auto now = frames_of(schedule, n), anew = frames_of(uncached, n);
+        const auto now = working_frames(schedule, n), anew = working_frames(uncached, n);
         auto& load = out[n];
         load.consumed_inputs = now.consumed_inputs.size();
         load.consumed_digests = now.consumed_digests.size();

@@ -84,7 +84,7 @@ struct NodeFrames {
     std::set<std::size_t> consumed_inputs,
         consumed_digests;  ///< it takes the frame from its inputs, or from a cached digest
 };
-NodeFrames frames_of(const Schedule& schedule, std::size_t node);
+NodeFrames working_frames(const Schedule& schedule, std::size_t node);
 
 /// How much of a node's work a run does. All counts are frames.
 struct NodeLoad {

@@ -201,7 +201,7 @@ void Preparation::repeat_logs(const Schedule& schedule, Report& report) {
     };
     for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
         const auto& node = pipeline_.nodes[n];
-        const auto now = frames_of(schedule, n), anew = frames_of(uncached, n);
+        const auto now = working_frames(schedule, n), anew = working_frames(uncached, n);
         const bool once = runs_once(uncached, n) && !runs_once(schedule, n);
         for (std::size_t place = 0; place < frames().size(); ++place) {
             if (node.type->digest != typeid(void) && anew.consumed_inputs.contains(place) &&

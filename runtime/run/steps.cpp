@@ -86,7 +86,7 @@ public:
         const auto& whole = prepared_.uncached_schedule();
         for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
             const auto& node = pipeline_.nodes[n];
-            const auto taken = frames_of(whole, n).consumed_inputs;
+            const auto taken = working_frames(whole, n).consumed_inputs;
             if (digests_apart(node) && !taken.empty()) {
                 const auto& input = digested_input(node);
                 add({node.name + "-" + input,

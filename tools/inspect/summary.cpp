@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 /// The same thing in several frames, or its value.
 using Seen = std::vector<std::pair<int, const Json*>>;
 
-FrameSet frames_of(const Seen& seen) {
+FrameSet frames_seen(const Seen& seen) {
     std::vector<int> out;
     for (const auto& [frame, value] : seen) out.push_back(frame);
     return FrameSet(std::move(out));
@@ -111,7 +111,7 @@ private:
         std::string out = key + " is ";
         for (const auto& [text, frames] : groups)
             out += fmt::format("{}{} in {}", &frames == &groups.front().second ? "" : ", ", text,
-                               frames_of(frames).in_words());
+                               frames_seen(frames).in_words());
         return out;
     }
 
@@ -160,7 +160,7 @@ Json summary_of(const std::vector<LookedAt>& files, const FileInspector& inspect
     out[inspector.parts] = Json::array();
     for (const auto& name : names) {
         auto part = summary.merged(parts[name], name);
-        if (const auto frames = frames_of(parts[name]); frames.frames().size() < files.size()) {
+        if (const auto frames = frames_seen(parts[name]); frames.frames().size() < files.size()) {
             part["frames"] = frames.text();
             summary.tell("only in " + frames.in_words(), name);
         }

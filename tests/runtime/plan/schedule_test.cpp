@@ -64,7 +64,7 @@ TEST_CASE("a gathering node takes every frame in one pass, and delivers some in 
 1.0: run load, run square, run share, run print
 )");
     CHECK(uncached.gathers == std::vector<char>{0, 0, 1, 0});
-    const auto share = frames_of(uncached, 2);
+    const auto share = working_frames(uncached, 2);
     CHECK(share.run == std::set<std::size_t>{0});
     CHECK(share.consumed_inputs == std::set<std::size_t>{0, 1});
     CHECK(share.consumed_digests.empty());
