@@ -12,7 +12,7 @@ void pass_promise(const Node& source, std::size_t n, Node& node, Problems& probl
     const auto promise = source.type->promise(source.params.get());
     if (!promise) return;
     const auto& input = node.type->inputs[n];
-    if (input.learn) node.params = input.learn(node.params.get(), promise->of);
+    if (input.learn) node.params = input.learn(node.params.get(), promise->fact);
     else
         add(problems, node.mark,
             fmt::format("{} input '{}' takes '{}', but {}", node.type->name, input.name,

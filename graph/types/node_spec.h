@@ -47,7 +47,7 @@ using NamedOutputs = std::map<std::string, Payload>;
 /// A fact about outputs that follows from parameters alone. Nodes that take the outputs must know
 /// it before their frames are counted.
 struct Promise {
-    std::any of;
+    std::any fact;
     std::string fault;  ///< why an input that does not know this promise can't take the output
 };
 

@@ -215,9 +215,9 @@ public:
     Declare& promises(Promised promised, std::string fault) {
         type_.promise = [promised,
                          fault = std::move(fault)](const void* params) -> std::optional<Promise> {
-            auto of = promised(*static_cast<const Params*>(params));
-            if (!of) return std::nullopt;
-            return Promise{*std::move(of), fault};
+            auto fact = promised(*static_cast<const Params*>(params));
+            if (!fact) return std::nullopt;
+            return Promise{*std::move(fact), fault};
         };
         return *this;
     }

@@ -22,7 +22,7 @@ Dependencies::OfNode Dependencies::of(std::size_t n) const {
     const auto& type = *node.type;
     OfNode out{type.name, type.version, std::nullopt, {}, {}};
     if (const auto plugin = pipeline_.plugins.find(type.name); plugin != pipeline_.plugins.end()) {
-        const auto content = files_.of(plugin->second);
+        const auto content = files_.content(plugin->second);
         out.plugin = content ? content->key : Hash{};
     }
     for (const auto& param : type.params) {
@@ -70,7 +70,7 @@ std::vector<std::string> Dependencies::watched_files(std::size_t n, std::size_t 
 Hash Dependencies::contents(std::size_t n, std::size_t place) const {
     Hasher hash;
     for (const auto& path : files(n, place)) {
-        const auto content = files_.of(path);
+        const auto content = files_.content(path);
         hash.hash(content ? content->key : Hash{});
     }
     return hash.digest();

@@ -89,22 +89,22 @@ std::optional<FileHashes::Content> FileHashes::find(const std::string& path) {
     return with(key);
 }
 
-std::optional<FileHashes::Content> FileHashes::of(const std::string& path) {
+std::optional<FileHashes::Content> FileHashes::content(const std::string& path) {
     {
         const std::lock_guard lock(mutex_);
         if (const auto found = known_.find(path); found != known_.end()) return found->second;
     }
-    return anew(path);
+    return content_now(path);
 }
 
-std::optional<FileHashes::Content> FileHashes::anew(const std::string& path) {
+std::optional<FileHashes::Content> FileHashes::content_now(const std::string& path) {
     const auto found = find(path);
     const std::lock_guard lock(mutex_);
     return known_[path] = found;
 }
 
 void FileHashes::prepare(const std::vector<std::string>& paths) {
-    tbb::parallel_for(std::size_t{0}, paths.size(), [&](std::size_t n) { of(paths[n]); });
+    tbb::parallel_for(std::size_t{0}, paths.size(), [&](std::size_t n) { content(paths[n]); });
 }
 
 }  // namespace fluidcarve

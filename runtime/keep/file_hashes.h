@@ -31,10 +31,10 @@ public:
 
     /// The content of a file at the first call for its path; later changes are ignored. Nothing if
     /// the file can't be read.
-    std::optional<Content> of(const std::string& path);
-    /// The content of the file now. Later calls of `of` return it too.
-    std::optional<Content> anew(const std::string& path);
-    /// Calls `of` for many files, in parallel.
+    std::optional<Content> content(const std::string& path);
+    /// The content of the file now. Later calls of `content` return it too.
+    std::optional<Content> content_now(const std::string& path);
+    /// Calls `content` for many files, in parallel.
     void prepare(const std::vector<std::string>& paths);
 
 private:

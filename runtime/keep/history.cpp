@@ -177,7 +177,7 @@ std::string goes_on(const Node& node, const std::optional<GrownResult>& grown) {
     const auto& growth = *node.type->growth;
     if (grown->items.count == 0) return "goes on where it was stopped";
     return fmt::format("goes on from {} of {}", grown->items.count,
-                       counted(growth.wanted(node.params.get(), grown->items.of), growth.item));
+                       counted(growth.wanted(node.params.get(), grown->items.whole), growth.item));
 }
 
 const std::array<std::pair<Work, const char*>, work_kinds> names_of_work{
@@ -241,7 +241,7 @@ History::History(const std::string& folder, const std::string& pipeline) {
     if (read.is_object()) nodes_ = std::move(read);
 }
 
-const json& History::of(const std::string& node) const {
+const json& History::state(const std::string& node) const {
     static const json nothing;
     const auto found = nodes_.find(node);
     return found == nodes_.end() || !well_formed(*found) ? nothing : *found;
@@ -279,7 +279,7 @@ json History::made_of(const Pipeline& pipeline, std::size_t n, const Dependencie
 }
 
 void History::set(const std::string& node, json made_of) {
-    if (const auto& was = of(node); !was.is_null()) {
+    if (const auto& was = state(node); !was.is_null()) {
         if (was.contains("costs") && was["type"] == made_of["type"] &&
             was["version"] == made_of["version"])
             made_of["costs"] = was["costs"];
@@ -301,7 +301,7 @@ void History::set_cost(const std::string& node, const NodeCost& cost, std::uint6
 
 NodeCost History::cost(const std::string& node, const std::string& type) const {
     NodeCost out;
-    const auto& made = of(node);
+    const auto& made = state(node);
     if (made.is_null() || !made.contains("costs") || made["type"] != type) return out;
     const auto& known = made["costs"];
     for (const auto& [work, name] : names_of_work)
@@ -347,7 +347,7 @@ std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Nod
     for (std::size_t n = 0; n < count; ++n) {
         if (loads[n].frames == 0) continue;
         const auto& node = pipeline.nodes[n];
-        const auto& was = history.of(node.name);
+        const auto& was = history.state(node.name);
         const auto [reads, grown] = now(n);
         fresh[n] = was.is_null();
         continued[n] = goes_on(node, grown);

@@ -26,8 +26,8 @@ public:
     bool on() const { return !path_.empty(); }
     /// The last state of a node: {"type", "version", "params", "rests", "inputs", "files",
     /// "plugin"?, "costs"?}; null if unknown.
-    const nlohmann::json& of(const std::string& node) const;
-    /// The present state of a node, in the form of `of` but without cost.
+    const nlohmann::json& state(const std::string& node) const;
+    /// The present state of a node, in the form of `state` but without cost.
     /// @param reads  per place in the sequence: whether the run reads the node's files
     static nlohmann::json made_of(const Pipeline& pipeline, std::size_t node,
                                   const Dependencies& dependencies, const std::vector<bool>& reads);

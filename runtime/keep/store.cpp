@@ -41,7 +41,7 @@ bool Store::knows(std::size_t n, std::size_t place) {
     }
     Json now = Json::array();
     for (const auto& path : outputs(n, place)) {
-        const auto content = files_.of(path);
+        const auto content = files_.content(path);
         if (!content) return false;
         now.push_back(content->key.text());
     }
@@ -137,7 +137,7 @@ void Store::keep_files(std::size_t n, std::size_t place, const NodeLog& log) {
     if (!cache_.on()) return;
     Json now = Json::array();
     for (const auto& path : outputs(n, place)) {
-        const auto content = files_.anew(path);
+        const auto content = files_.content_now(path);
         // Another process may have replaced the file since.
         if (!content || content->number != OutputFile::number_at(path)) return;
         now.push_back(content->key.text());

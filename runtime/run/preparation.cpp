@@ -100,7 +100,7 @@ std::vector<Fault> Preparation::input_faults(bool keep_going) const {
 std::string Preparation::fault_of_contents() {
     std::string out;
     each_file([&](std::size_t, std::size_t, const std::string& path) {
-        if (out.empty() && !files_.of(path))
+        if (out.empty() && !files_.content(path))
             out = fmt::format(
                 "{} could not be read when the run began, so that nothing tells its content; run "
                 "again",
@@ -113,7 +113,7 @@ void Preparation::compare(Manifest& manifest) {
     each_file([&](std::size_t n, std::size_t place, const std::string& path) {
         const auto& node = pipeline_.nodes[n];
         try {
-            if (const auto content = files_.of(path))
+            if (const auto content = files_.content(path))
                 manifest.require(path, {content->key, content->size});
         } catch (const Failure& failure) {
             const auto frame =

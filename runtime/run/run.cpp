@@ -111,8 +111,8 @@ void remember_costs(const Pipeline& pipeline, const Preparation& prepared, const
                     const Report& report, History& history) {
     if (!history.on()) return;
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
-        auto cost = costs.of(n);
-        if (std::ranges::none_of(cost.of, [](const auto& each) { return each.has_value(); }))
+        auto cost = costs.mean(n);
+        if (std::ranges::none_of(cost.by_work, [](const auto& each) { return each.has_value(); }))
             continue;
         cost.bytes = report.most_bytes(n);
         history.set_cost(pipeline.nodes[n].name, cost, prepared.inputs().frame_bytes);

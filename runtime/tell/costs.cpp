@@ -88,12 +88,12 @@ std::optional<double> WorkTimes::expected(std::size_t node, Work work) const {
     return cost ? std::optional(cost->seconds) : std::nullopt;
 }
 
-NodeCost WorkTimes::of(std::size_t node) const {
+NodeCost WorkTimes::mean(std::size_t node) const {
     const std::lock_guard lock(mutex_);
     NodeCost out;
     for (std::size_t work = 0; work < work_kinds; ++work)
         if (const auto& sum = sums_[node][work]; sum.calls > 0)
-            out.of[work] = WorkTime{sum.seconds / static_cast<double>(sum.calls), sum.at};
+            out.by_work[work] = WorkTime{sum.seconds / static_cast<double>(sum.calls), sum.at};
     return out;
 }
 

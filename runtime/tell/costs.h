@@ -19,7 +19,7 @@ struct CostSetting {
     std::uint64_t input_bytes = 0;  ///< memory of a frame, as the readers estimate it
     std::size_t gathered = 0;       ///< frames that a gathering node had consumed
     std::size_t items = 0;          ///< items of a growing result (Growth) that were found
-    std::size_t all_items = 0;      ///< 100 % of a count of items (ItemCount::of)
+    std::size_t all_items = 0;      ///< 100 % of a count of items (ItemCount::whole)
 };
 
 /// A measured time, with its setting.
@@ -44,13 +44,15 @@ constexpr std::size_t work_kinds = 4;
 
 /// The costs of one call of each kind; nothing: unknown.
 struct NodeCost {
-    std::array<std::optional<WorkTime>, work_kinds> of;
+    std::array<std::optional<WorkTime>, work_kinds> by_work;
     std::uint64_t bytes = 0;           ///< largest result in memory; 0: unknown
     std::uint64_t bytes_of_input = 0;  ///< CostSetting::input_bytes of `bytes`
 
-    std::optional<WorkTime>& operator[](Work work) { return of[static_cast<std::size_t>(work)]; }
+    std::optional<WorkTime>& operator[](Work work) {
+        return by_work[static_cast<std::size_t>(work)];
+    }
     const std::optional<WorkTime>& operator[](Work work) const {
-        return of[static_cast<std::size_t>(work)];
+        return by_work[static_cast<std::size_t>(work)];
     }
 };
 
@@ -93,7 +95,7 @@ public:
     ///   setting
     void add(std::size_t node, Work work, double seconds, const CostSetting& at);
     /// The mean costs of a node's calls; `bytes` is not measured here.
-    NodeCost of(std::size_t node) const;
+    NodeCost mean(std::size_t node) const;
 
 private:
     struct Sum {

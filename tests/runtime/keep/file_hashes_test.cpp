@@ -22,7 +22,7 @@ void age(const std::string& file) {
 
 Hash file_key(const std::string& file, const std::string& folder = {}) {
     FileHashes files(folder);
-    const auto content = files.of(file);
+    const auto content = files.content(file);
     return content ? content->key : Hash{};
 }
 
@@ -98,12 +98,12 @@ TEST_CASE("a run knows a file as it first read it, until it asks anew") {
     const Scratch scratch;
     const auto file = scratch.write("a", "one");
     FileHashes files("");
-    const auto first = files.of(file)->key;
+    const auto first = files.content(file)->key;
     scratch.write("a", "two");
-    CHECK(files.of(file)->key == first);
-    CHECK(files.anew(file)->key != first);
-    CHECK(files.of(file)->key != first);
-    CHECK(files.of(file)->size == 3);
+    CHECK(files.content(file)->key == first);
+    CHECK(files.content_now(file)->key != first);
+    CHECK(files.content(file)->key != first);
+    CHECK(files.content(file)->size == 3);
 }
 
 TEST_CASE("keys are written as 32 digits and read back, and anything else is a key of nothing") {

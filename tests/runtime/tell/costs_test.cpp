@@ -41,10 +41,10 @@ TEST_CASE("of several calls the mean counts, and the latest setting") {
     WorkTimes costs(expected);
     CHECK(costs.expected(0, Work::consume) == 3);
     CHECK(!costs.expected(0, Work::frame));
-    CHECK(!costs.of(0)[Work::frame]);
+    CHECK(!costs.mean(0)[Work::frame]);
     costs.add(0, Work::frame, 1, {1, 1, 0, 0, 0, 0});
     costs.add(0, Work::frame, 3, {2, 2, 0, 0, 0, 0});
-    const auto cost = costs.of(0);
+    const auto cost = costs.mean(0);
     REQUIRE(cost[Work::frame]);
     CHECK(cost[Work::frame]->seconds == 2);
     CHECK(cost[Work::frame]->at.abreast == 2);
