@@ -5,7 +5,6 @@
 #include "formats/file/input_file.h"
 #include "formats/file/output_file.h"
 #include "graph/text/json_text.h"
-#include "runtime/keep/content_hash.h"
 #include "runtime/keep/entry_header.h"
 #include "runtime/keep/packs.h"
 
@@ -77,15 +76,6 @@ std::vector<fs::path> temporary_files(const fs::path& folder) {
     std::erase_if(
         out, [](const fs::path& file) { return !OutputFile::is_aside(file.filename().string()); });
     return out;
-}
-
-/// Whether a file holds two hashes: that of an input file and a checksum, as earlier versions wrote
-/// them.
-bool is_file_hash(const fs::path& file) {
-    std::string text, seal, more;
-    std::istringstream in(text_of_own_file(file));
-    in >> text >> seal;
-    return Hash::parse(text) && Hash::parse(seal) && !(in >> more);
 }
 
 /// Whether a file is of the form of History (`history`) or StatusFile (`runs`).
@@ -230,8 +220,6 @@ std::vector<WorkFolder::Entry> WorkFolder::entries() const {
 
 std::vector<fs::path> WorkFolder::outdated() const {
     std::vector<fs::path> out;
-    for (const auto& file : hashed_files(fs::path(path_) / "files"))
-        if (older(file, unasked) && is_file_hash(file)) out.push_back(file);
     for (const auto& file : pack_files(fs::path(path_) / "files"))
         if (older(file, unasked) && Packs::is_pack(file)) out.push_back(file);
     for (const auto* const part : parts)
@@ -245,8 +233,6 @@ std::vector<fs::path> WorkFolder::own_files() const {
     std::vector<fs::path> ours;
     for (const auto& [file, used, size] : entries())
         if (is_entry(file)) ours.push_back(file);
-    for (const auto& file : hashed_files(root / "files"))
-        if (is_file_hash(file)) ours.push_back(file);
     for (const auto& file : pack_files(root / "files"))
         if (Packs::is_pack(file)) ours.push_back(file);
     for (const auto* const part : {"history", "runs"})

@@ -213,20 +213,17 @@ TEST_CASE("a work folder without others' files is gone once it is clean") {
     CHECK(!fs::exists(work));
 }
 
-TEST_CASE(
-    "hashes of input files that nobody asked for in a month go, in packs and as earlier versions "
-    "kept them") {
+TEST_CASE("hashes of input files that nobody asked for in a month go") {
     const Scratch scratch;
-    const auto work = scratch / "work", earlier = work + "/files/" + key_of(1).path();
+    const auto work = scratch / "work";
     WorkFolder(work).make();
     Packs(work + "/files").add(key_of(0), std::string("a hash"));
-    put(earlier, key_of(2).text() + " " + key_of(3).text() + "\n");
     CHECK(WorkFolder(work).outdated().empty());
     for (const auto& [path, text] : texts_of(work + "/files"))
         fs::last_write_time(path, fs::file_time_type::clock::now() - std::chrono::hours(24 * 31));
-    CHECK(WorkFolder(work).outdated().size() == 2);
+    CHECK(WorkFolder(work).outdated().size() == 1);
     put(work + "/files/" + std::string(32, 'a') + ".pack", "of somebody else");
-    CHECK(WorkFolder(work).clean({}).removed == 2);
+    CHECK(WorkFolder(work).clean({}).removed == 1);
     CHECK(texts_of(work + "/files").size() == 1);
 }
 
