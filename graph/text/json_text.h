@@ -21,4 +21,10 @@ inline nlohmann::ordered_json json_of_own_file(const std::string& path) {
     return nlohmann::ordered_json::parse(text_of_own_file(path), nullptr, false);
 }
 
+/// Whether an object read from a file has a value of a type: `has(job, "name", &Json::is_string)`.
+inline bool has(const nlohmann::ordered_json& object, const char* name,
+                bool (nlohmann::ordered_json::*is)() const noexcept) {
+    return object.contains(name) && (object[name].*is)();
+}
+
 }  // namespace fluidcarve

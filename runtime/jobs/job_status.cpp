@@ -24,17 +24,15 @@ using Json = nlohmann::ordered_json;
 
 /// Whether a value read from a file has the form that record_job writes.
 bool is_job(const Json& job) {
-    const auto is = [](const Json& of, const char* name, auto type) {
-        return of.contains(name) && (of[name].*type)();
-    };
-    if (!job.is_object() || !is(job, "name", &Json::is_string) ||
-        !is(job, "pipeline", &Json::is_string) || !is(job, "again", &Json::is_string) ||
-        !is(job, "engine", &Json::is_string) || !is(job, "steps", &Json::is_array))
+    if (!job.is_object() || !has(job, "name", &Json::is_string) ||
+        !has(job, "pipeline", &Json::is_string) || !has(job, "again", &Json::is_string) ||
+        !has(job, "engine", &Json::is_string) || !has(job, "steps", &Json::is_array))
         return false;
-    return std::ranges::all_of(job["steps"], [&](const Json& step) {
-        return step.is_object() && is(step, "name", &Json::is_string) &&
-               is(step, "needs", &Json::is_array) && is(step, "tasks", &Json::is_number_unsigned) &&
-               (!step.contains("frames") || is(step, "frames", &Json::is_string));
+    return std::ranges::all_of(job["steps"], [](const Json& step) {
+        return step.is_object() && has(step, "name", &Json::is_string) &&
+               has(step, "needs", &Json::is_array) &&
+               has(step, "tasks", &Json::is_number_unsigned) &&
+               (!step.contains("frames") || has(step, "frames", &Json::is_string));
     });
 }
 

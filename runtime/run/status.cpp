@@ -51,23 +51,16 @@ std::string state_of(const Json& run) {
     return now() - run.value("updated", 0.0) < silent_seconds ? "running" : "killed";
 }
 
-bool is_number(const Json& of, const char* name) {
-    return of.contains(name) && of[name].is_number();
-}
-
 /// Whether a value read from a file has the form that StatusFile writes.
 bool well_formed(const Json& run) {
-    const auto is = [](const Json& of, const char* name, auto type) {
-        return of.contains(name) && (of[name].*type)();
-    };
-    if (!run.is_object() || !is(run, "pid", &Json::is_number_integer) ||
-        !is(run, "started", &Json::is_number) || !is(run, "updated", &Json::is_number) ||
-        !is(run, "host", &Json::is_string) || !is(run, "pipeline", &Json::is_string) ||
-        !is(run, "nodes", &Json::is_object))
+    if (!run.is_object() || !has(run, "pid", &Json::is_number_integer) ||
+        !has(run, "started", &Json::is_number) || !has(run, "updated", &Json::is_number) ||
+        !has(run, "host", &Json::is_string) || !has(run, "pipeline", &Json::is_string) ||
+        !has(run, "nodes", &Json::is_object))
         return false;
     for (const auto& [name, node] : run["nodes"].items())
-        if (!node.is_object() || !is(node, "type", &Json::is_string) ||
-            !is(node, "frames", &Json::is_number) || !is(node, "cached", &Json::is_number) ||
+        if (!node.is_object() || !has(node, "type", &Json::is_string) ||
+            !has(node, "frames", &Json::is_number) || !has(node, "cached", &Json::is_number) ||
             (node.contains("why") && !node["why"].is_string()) ||
             (node.contains("item") && !node["item"].is_string()))
             return false;
@@ -106,9 +99,10 @@ std::string text_of_gathering(const Json& node, const std::string& state) {
         return fmt::format("{}/{}", of->at(done).dump(), of->at(all).dump());
     };
     std::string out;
-    if (is_number(*of, "frames") && is_number(*of, "of_frames"))
+    if (has(*of, "frames", &Json::is_number) && has(*of, "of_frames", &Json::is_number))
         out = share("frames", "of_frames") + " frames gathered";
-    if (is_number(*of, "items") && is_number(*of, "of_items") && of->at("of_items") > 0)
+    if (has(*of, "items", &Json::is_number) && has(*of, "of_items", &Json::is_number) &&
+        of->at("of_items") > 0)
         out += fmt::format(", {} {}s", share("items", "of_items"), node.value("item", "item"));
     return state == "running" ? out : out + ", " + state;
 }

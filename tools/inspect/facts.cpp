@@ -26,12 +26,13 @@ std::string count_text(const Json& count) {
     return fmt::format("{} to {}", count[0].get<std::uint64_t>(), count[1].get<std::uint64_t>());
 }
 
+std::string vector_text(const Json& vector) {
+    return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", vector[0].get<double>(), vector[1].get<double>(),
+                       vector[2].get<double>());
+}
+
 std::string world_text(const Json& box) {
-    const auto corner = [](const Json& at) {
-        return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", at[0].get<double>(), at[1].get<double>(),
-                           at[2].get<double>());
-    };
-    return fmt::format("{} to {}", corner(box[0]), corner(box[1]));
+    return fmt::format("{} to {}", vector_text(box[0]), vector_text(box[1]));
 }
 
 std::string range_text(const Json& range) {

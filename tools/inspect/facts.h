@@ -19,6 +19,8 @@ nlohmann::ordered_json box_around(std::span<const openvdb::Vec3d> points);
 
 /// A whole number, or "least to greatest" of a sequence.
 std::string count_text(const nlohmann::ordered_json& count);
+/// Three numbers: "[-1, -1, -1]".
+std::string vector_text(const nlohmann::ordered_json& vector);
 /// A box in world units: "[-1, -1, -1] to [1, 1, 1]".
 std::string world_text(const nlohmann::ordered_json& box);
 /// A range of values: "0 to 1".

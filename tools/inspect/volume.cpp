@@ -173,12 +173,8 @@ std::vector<std::string> compare(const std::vector<Json>& files) {
 }
 
 std::string transform_text(const Json& transform) {
-    const auto three = [](const Json& v) {
-        return fmt::format("{:.6g}, {:.6g}, {:.6g}", v[0].get<double>(), v[1].get<double>(),
-                           v[2].get<double>());
-    };
-    return fmt::format("voxels of [{}], the first at [{}], {}", three(transform["voxel_size"]),
-                       three(transform["origin"]), transform["map"].get<std::string>());
+    return fmt::format("voxels of {}, the first at {}, {}", vector_text(transform["voxel_size"]),
+                       vector_text(transform["origin"]), transform["map"].get<std::string>());
 }
 
 /// @param widest  of the grids' names, characters
