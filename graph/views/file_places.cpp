@@ -43,12 +43,10 @@ std::string to_text(const FilePlaces& places) {
 
 std::string user_of(const Pipeline& pipeline, const std::string& path) {
     namespace fs = std::filesystem;
-    std::error_code error;
-    const auto wanted = fs::weakly_canonical(fs::absolute(path, error), error);
+    const auto wanted = canonical_path(path);
     const auto name = wanted.filename().string();
     const auto is = [&](const std::string& other) {
-        return fs::path(other).filename() == name &&
-               fs::weakly_canonical(fs::absolute(other, error), error) == wanted;
+        return fs::path(other).filename() == name && canonical_path(other) == wanted;
     };
     const auto is_one_of = [&](const PathPattern& pattern) {
         for (const auto frame : pipeline.frames.frames()) {

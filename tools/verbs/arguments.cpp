@@ -2,6 +2,7 @@
 
 #include "carve/base/frame_set.h"
 #include "formats/file/confinement.h"
+#include "formats/file/full_path.h"
 #include "graph/provenance.h"
 #include "graph/types/frame_files.h"
 #include "runtime/keep/work_folder.h"
@@ -189,10 +190,9 @@ std::string take_own_files(RunArguments& run, const Pipeline& pipeline) {
             return fmt::format("{}: {} {}", option, path, refusal);
         if (const auto user = user_of(pipeline, path); !user.empty())
             return fmt::format("{} would overwrite {}: {}", option, path, user);
-        std::error_code unknown;  // what a descriptor leads to may have no path
-        auto place = std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown);
+        auto place = canonical_path(path);
         const auto [other, fresh] =
-            own.emplace(unknown ? std::filesystem::path(path) : std::move(place), option);
+            own.emplace(place.empty() ? std::filesystem::path(path) : std::move(place), option);
         if (!fresh)
             return fmt::format("{} and {} name the same file: {}", other->second, option, path);
     }
