@@ -2,10 +2,10 @@
 
 #include "carve/base/frame_set.h"
 #include "carve/base/words.h"
+#include "formats/file/content_hash.h"
 #include "formats/file/full_path.h"
 #include "formats/file/path_pattern.h"
 #include "graph/views/file_places.h"
-#include "runtime/keep/content_hash.h"
 #include "runtime/keep/work_folder.h"
 #include "runtime/run/preparation.h"
 #include "runtime/run/steps.h"

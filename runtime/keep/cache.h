@@ -1,7 +1,7 @@
 #pragma once
 
+#include "formats/file/content_hash.h"
 #include "graph/types/registry.h"
-#include "runtime/keep/content_hash.h"
 #include "runtime/keep/packs.h"
 
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "formats/file/content_hash.h"
 #include "graph/pipeline.h"
-#include "runtime/keep/content_hash.h"
 #include "runtime/keep/dependencies.h"
 
 #include <functional>

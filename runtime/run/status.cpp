@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <signal.h>
 #include <unistd.h>
 #include <algorithm>
 #include <array>

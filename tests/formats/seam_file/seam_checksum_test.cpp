@@ -58,3 +58,28 @@ TEST_CASE(
     bounded.shifts = {0, 1, 2};
     CHECK(seam_checksum(bounded) == sum);
 }
+
+TEST_CASE("checksums of seams and of warps are those that files of earlier runs hold") {
+    Seams stated;
+    stated.axis = Axis::u;
+    stated.kind = Seams::Kind::remove;
+    stated.shape = {9, 3, 2};
+    stated.frames = {1, 2};
+    stated.lattice = "a box";
+    stated.lattice_hash = "xxh3-64:0123456789abcdef";
+
+    auto seams = stated;
+    seams.seams = {straight_seam(stated, 4), straight_seam(stated, 2)};
+    seams.seams[1].energy = 0.25;
+    seams.pairs = {straight_seam(stated, 6), straight_seam(stated, 7)};
+    CHECK(seam_checksum(seams) == "xxh3-128:29014860415bca5e745df014b1f686ea");
+
+    auto warp = stated;
+    warp.warp.emplace(warp.warp_vertices(), warp.warp_rings(), 1, warp.frames.size());
+    for (std::size_t t = 0; t < warp.frames.size(); ++t) {
+        float value = 0;
+        for (auto& each : warp.warp->values(t)) each = value += 0.25F;
+    }
+    warp.warp->set_scale(0.5);
+    CHECK(seam_checksum(warp) == "xxh3-128:ffe280dc15ed54686a59c5768377d14f");
+}

@@ -105,14 +105,3 @@ TEST_CASE("a run knows a file as it first read it, until it asks anew") {
     CHECK(files.content(file)->key != first);
     CHECK(files.content(file)->size == 3);
 }
-
-TEST_CASE("keys are written as 32 digits and read back, and anything else is a key of nothing") {
-    const auto key = Hasher().text("a").digest();
-    CHECK(key.text().size() == 32);
-    CHECK(Hash::parse(key.text()) == key);
-    for (const auto* const text :
-         {"", "0", "zz", "0123456789abcdef0123456789abcdeg", "0123456789abcdef0123456789abcdef0"})
-        CHECK_FALSE(Hash::parse(text));
-    CHECK(Hasher().text("ab").text("c").digest() != Hasher().text("a").text("bc").digest());
-    CHECK_FALSE(Hasher().text("a").hash(Hash{}).digest());
-}

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "runtime/keep/content_hash.h"
+#include "formats/file/content_hash.h"
 
 namespace fluidcarve::test {
 

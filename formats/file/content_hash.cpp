@@ -1,4 +1,4 @@
-#include "runtime/keep/content_hash.h"
+#include "formats/file/content_hash.h"
 
 #include <fmt/format.h>
 
