@@ -20,7 +20,7 @@ FrameSet all_frames(const FarmStep& step) {
 }
 
 /// "about 1.2 min, 4 cores, 2.3 GB, writes 1.2 GB".
-std::string to_text(const RunNeeds& resources) {
+std::string to_text(const RunResources& resources) {
     std::vector<std::string> out;
     if (resources.seconds > 0) out.push_back("about " + duration_text(*resources.seconds));
     if (resources.cores > 0)

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "carve/base/frame_set.h"
-#include "runtime/run/run_needs.h"
+#include "runtime/run/run_resources.h"
 
 #include <nlohmann/json.hpp>
 
@@ -22,7 +22,7 @@ struct FarmStep {
     /// The frames of each task, for -f; a task is one process. If the step is not chunked: one
     /// task, without frames and without -f.
     std::vector<FrameSet> tasks;
-    RunNeeds resources;  ///< of its largest task
+    RunResources resources;  ///< of its largest task
 };
 
 /// A file, sequence or folder that the pipeline reads or writes.

@@ -209,7 +209,7 @@ private:
         return out;
     }
 
-    static Json amounts_of(const RunNeeds& resources) {
+    static Json amounts_of(const RunResources& resources) {
         Json out = Json::array();
         const auto add = [&](const char* name, std::uint64_t least) {
             if (least > 0) out.push_back({{"name", name}, {"min", least}});

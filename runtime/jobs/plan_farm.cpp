@@ -35,7 +35,7 @@ std::size_t frames_of_task(const RunStep& step, const FarmChunking& chunking) {
     const auto all = step.frames.size();
     if (chunking.frames) return *chunking.frames;
     if (chunking.tasks) return (all + *chunking.tasks - 1) / *chunking.tasks;
-    const auto one = step.cost(1), whole = step.cost(all);
+    const auto one = step.resources(1), whole = step.resources(all);
     if (!one.seconds || !whole.seconds) return frames_unmeasured;
     const auto each =
         all > 1 ? (*whole.seconds - *one.seconds) / static_cast<double>(all - 1) : *one.seconds;
@@ -48,7 +48,7 @@ std::size_t frames_of_task(const RunStep& step, const FarmChunking& chunking) {
 }
 
 /// What to ask of a farm: memory with a margin.
-RunNeeds asked_for(RunNeeds needs) {
+RunResources asked_for(RunResources needs) {
     if (needs.memory > 0)
         needs.memory =
             static_cast<std::uint64_t>(memory_margin * static_cast<double>(needs.memory)) +
@@ -108,7 +108,7 @@ FarmStep farm_step(const RunStep& step, const std::vector<RunStep>& steps,
     for (const auto need : step.needs) out.needs.push_back(steps[need].name);
     out.tasks = step.chunked ? chunks_of(FrameSet(step.frames), frames_of_task(step, chunking))
                              : std::vector<FrameSet>(1);
-    out.resources = asked_for(step.cost(out.tasks.front().frames().size()));
+    out.resources = asked_for(step.resources(out.tasks.front().frames().size()));
     return out;
 }
 
@@ -136,7 +136,7 @@ void warn_of_costs(const std::vector<RunStep>& steps, const FarmChunking& chunki
     std::uint64_t kept = 0;
     std::vector<std::string> unmeasured;
     for (const auto& step : steps) {
-        const auto whole = step.cost(step.frames.size());
+        const auto whole = step.resources(step.frames.size());
         kept += whole.disk;
         if (step.chunked && !whole.seconds) unmeasured.push_back(step.name);
     }

@@ -31,7 +31,7 @@ public:
         clear_frames();
         for (std::size_t pass = 0; pass < plan_.passes.size(); ++pass) {
             for (const auto n : plan_.passes[pass].gathering)
-                if (out_.gathers[n]) work({Visit::take_all, n});
+                if (out_.gathers[n]) work({Visit::consume_all, n});
             deliver(pass);
         }
         return std::move(out_);
@@ -53,13 +53,13 @@ private:
                 if (known_.delivers(n, place) && !known_.result(n, place))
                     work({Visit::frame, n, place, pass});
             for (const auto n : plan_.passes[pass].gathering)
-                if (plan_.digested[n] && known_.wants(n, place)) work({Visit::take, n, place});
+                if (plan_.digested[n] && known_.wants(n, place)) work({Visit::consume, n, place});
         }
     }
 
     /// A node to be scheduled. Its visit adds the nodes that it needs.
     struct Visit {
-        enum Kind { once, frame, gather, take_all, take } kind;
+        enum Kind { once, frame, gather, consume_all, consume } kind;
         std::size_t node, place = 0, pass = 0;
     };
 
@@ -75,8 +75,8 @@ private:
                 case Visit::once: once(node); break;
                 case Visit::frame: frame(node, place, pass); break;
                 case Visit::gather: gather(node); break;
-                case Visit::take_all: take_all(node); break;
-                case Visit::take: take(node, place); break;
+                case Visit::consume_all: consume_all(node); break;
+                case Visit::consume: consume(node, place); break;
             }
             std::reverse(open_.begin() + before, open_.end());
         }
@@ -121,17 +121,17 @@ private:
     void gather(std::size_t n) {
         if (out_.gathers[n]) return;
         out_.gathers[n] = 1;
-        later({Visit::take_all, n});
+        later({Visit::consume_all, n});
         for (const auto& link : pipeline_.nodes[n].links())
             if (pipeline_.nodes[link.node].rate != Rate::frame) later({Visit::once, link.node});
     }
 
-    void take_all(std::size_t n) {
+    void consume_all(std::size_t n) {
         for (std::size_t place = 0; place < delivered_.size(); ++place)
-            if (known_.wants(n, place)) later({Visit::take, n, place});
+            if (known_.wants(n, place)) later({Visit::consume, n, place});
     }
 
-    void take(std::size_t n, std::size_t place) {
+    void consume(std::size_t n, std::size_t place) {
         const auto pass = plan_.gathered_in[n];
         auto& how = out_.frames[pass][place].consumes[n];
         if (how != Consume::none) return;

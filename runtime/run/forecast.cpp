@@ -114,9 +114,9 @@ std::string to_text(const Forecast& forecast) {
     std::vector<std::vector<std::string>> rows{{"node", "type", "frames", "cached", "why it runs"}};
     for (const auto& line : forecast.lines) {
         auto why = line.why;
-        if (line.taken_cached > 0)
-            why += fmt::format("; takes {} of {} frames from the work folder", line.taken_cached,
-                               line.taken);
+        if (line.consumed_digests > 0)
+            why += fmt::format("; takes {} of {} frames from the work folder",
+                               line.consumed_digests, line.consumed);
         rows.push_back(
             {line.node, line.type, std::to_string(line.frames), std::to_string(line.cached), why});
     }
@@ -147,7 +147,8 @@ Json to_json(const Forecast& forecast) {
     for (const auto& line : forecast.lines) {
         auto& node = out["nodes"][line.node];
         node = {{"type", line.type}, {"frames", line.frames}, {"cached", line.cached}};
-        if (line.taken > 0) node["taken"] = {{"frames", line.taken}, {"cached", line.taken_cached}};
+        if (line.consumed > 0)
+            node["taken"] = {{"frames", line.consumed}, {"cached", line.consumed_digests}};
         if (!line.why.empty()) node["why"] = line.why;
         if (!line.item.empty()) node["item"] = line.item;
     }

@@ -86,13 +86,13 @@ public:
         const auto& whole = prepared_.uncached_schedule();
         for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
             const auto& node = pipeline_.nodes[n];
-            const auto taken = working_frames(whole, n).consumed_inputs;
-            if (digests_apart(node) && !taken.empty()) {
+            const auto consumed = working_frames(whole, n).consumed_inputs;
+            if (digests_apart(node) && !consumed.empty()) {
                 const auto& input = digested_input(node);
                 add({node.name + "-" + input,
                      fmt::format("takes from each frame what {} needs", node.name),
                      {node.name + "." + input, {}, false}},
-                    taken);
+                    consumed);
             }
             if (gathers_apart(node) && whole.once[n] == Action::run)
                 add({node.name,
@@ -170,7 +170,7 @@ private:
         step.needs = without_implied(needed);
         all_needs_.push_back(closure(needed));
         step.target.only = make(schedule, plan, out_.size());
-        set_cost(step, work_of(schedule), places.size());
+        set_resources(step, work_of(schedule), places.size());
         out_.push_back(std::move(step));
     }
 
@@ -230,7 +230,7 @@ private:
     }
 
     /// @param works  per node: in all frames of the step. @param all  how many these are
-    void set_cost(RunStep& step, std::vector<NodeWork> works, std::size_t all) const {
+    void set_resources(RunStep& step, std::vector<NodeWork> works, std::size_t all) const {
         // A step may read fewer grids than the whole run, and so has frames of another size.
         RunRequest request{.options = options_, .target = step.target};
         request.options.cache = false;
@@ -238,10 +238,10 @@ private:
         Report unused(pipeline_);
         const Preparation own(pipeline_, registry_, request, unused);
         const auto expected = expected_costs(pipeline_, own, works, history_, options_);
-        step.cost = [&pipeline = pipeline_, options = options_,
-                     input_bytes = own.inputs().frame_bytes, works = std::move(works), expected,
-                     all](std::size_t frames) {
-            RunNeeds out{.cores = options.threads};
+        step.resources = [&pipeline = pipeline_, options = options_,
+                          input_bytes = own.inputs().frame_bytes, works = std::move(works),
+                          expected, all](std::size_t frames) {
+            RunResources out{.cores = options.threads};
             double seconds = 0;
             bool known = true;
             const auto part = [&](std::size_t count) {
@@ -284,12 +284,12 @@ nlohmann::ordered_json to_json(const std::vector<RunStep>& steps) {
     for (const auto& step : steps) {
         std::vector<std::string> needs;
         for (const auto need : step.needs) needs.push_back(steps[need].name);
-        const auto cost = step.cost(step.frames.size());
+        const auto needs = step.resources(step.frames.size());
         auto& entry = out.emplace_back(
             nlohmann::ordered_json{{"name", step.name}, {"what", step.what}, {"needs", needs}});
         if (step.chunked) entry["frames"] = FrameSet(step.frames).text();
-        entry.update({{"cores", cost.cores}, {"memory", cost.memory}, {"disk", cost.disk}});
-        if (cost.seconds) entry["seconds"] = *cost.seconds;
+        entry.update({{"cores", needs.cores}, {"memory", needs.memory}, {"disk", needs.disk}});
+        if (needs.seconds) entry["seconds"] = *needs.seconds;
     }
     return out;
 }

@@ -2,7 +2,7 @@
 
 #include "runtime/keep/history.h"
 #include "runtime/run/preparation.h"
-#include "runtime/run/run_needs.h"
+#include "runtime/run/run_resources.h"
 
 #include <nlohmann/json.hpp>
 
@@ -25,7 +25,7 @@ struct RunStep {
     std::vector<int> frames{};  ///< numbers of the frames that it digests or delivers; empty, if it
                                 ///< is not chunked
     /// Resources of one run. @param frames  that it takes, if the step is chunked
-    std::function<RunNeeds(std::size_t frames)> cost{};
+    std::function<RunResources(std::size_t frames)> resources{};
 };
 
 /// Cuts a run into steps, each after those that it needs: for every gathering node with digests a

@@ -56,7 +56,7 @@ void Report::ran(std::size_t node, std::size_t place, double seconds, std::uint6
 void Report::consumed(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes) {
     const std::lock_guard lock(mutex_);
     auto& stats = stats_[node];
-    stats.taken.insert(place);
+    stats.consumed.insert(place);
     stats.take_s += seconds;
     stats.most_bytes = std::max(stats.most_bytes, bytes);
 }
@@ -89,7 +89,7 @@ std::size_t Report::computed(std::size_t n) const {
     const auto& stats = stats_[n];
     if (!stats.places.empty()) return stats.places.size();
     if (stats.finished && pipeline_.nodes[n].rate != Rate::frame) return loads_[n].frames;
-    return loads_[n].only_digests ? stats.taken.size() : 0;
+    return loads_[n].only_digests ? stats.consumed.size() : 0;
 }
 
 std::uint64_t Report::most_bytes(std::size_t n) const {
@@ -193,7 +193,7 @@ nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int ex
         const auto& load = loads_[n];
         const auto cached = load.frames - std::max(load.runs, std::min(computed(n), load.frames));
         if (load.frames == 0 ||
-            (cached == 0 && computed(n) == 0 && stats.taken.empty() && stats.once_s == 0))
+            (cached == 0 && computed(n) == 0 && stats.consumed.empty() && stats.once_s == 0))
             continue;
         auto& node = out["nodes"][pipeline_.nodes[n].name];
         node = {{"type", pipeline_.nodes[n].type->name},
@@ -201,8 +201,8 @@ nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int ex
                 {"cached", cached},
                 {"wall_s", stats.seconds()},
                 {"bytes", stats.most_bytes}};
-        if (stats.taken.size() + load.consumed_digests > 0)
-            node["taken"] = {{"frames", stats.taken.size() + load.consumed_digests},
+        if (stats.consumed.size() + load.consumed_digests > 0)
+            node["taken"] = {{"frames", stats.consumed.size() + load.consumed_digests},
                              {"cached", load.consumed_digests}};
     }
     for (const auto& [section, nodes] : entries_)

@@ -91,7 +91,7 @@ public:
 private:
     struct Stats {
         std::set<std::size_t> places;    ///< places of computed frames
-        std::set<std::size_t> taken;     ///< places of frames taken from its inputs
+        std::set<std::size_t> consumed;  ///< places of frames taken from its inputs
         std::set<std::size_t> gathered;  ///< places of frames taken from its inputs or from digests
         std::size_t items = 0, of_items = 0;
         bool finished = false;

@@ -6,7 +6,7 @@
 namespace fluidcarve {
 
 /// Resources that a run needs.
-struct RunNeeds {
+struct RunResources {
     int cores = 0;
     std::uint64_t memory = 0;         ///< bytes; 0: unknown
     std::uint64_t disk = 0;           ///< bytes that it writes, in the work folder and as outputs;
