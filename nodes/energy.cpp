@@ -112,7 +112,7 @@ struct StencilEnergy {
         Ref<FloatGrid> field, energy;
     };
     static void run(const Params& params, Ports& io, Context& context) {
-        require_stencil_fits(*io.field, sizeof(float), context.memory_budget());
+        require_stencil_fits(*io.field, sizeof(float), context.limits().memory);
         io.energy = energy_of(*io.field, params.gain);
     }
 };
@@ -161,7 +161,7 @@ struct Kinetic {
     using Params = GainParams;
     using Ports = VelocityPorts;
     static void run(const Params& params, Ports& io, Context& context) {
-        require_collocation_fits(*io.velocity, context.memory_budget());
+        require_collocation_fits(*io.velocity, context.limits().memory);
         io.energy = kinetic_energy(io.velocity, params.gain);
     }
 };
@@ -263,8 +263,8 @@ struct SurfaceEnergy : EnergySum<SurfaceEnergy> {
     }
 
     static std::vector<EnergyTerm> terms(const Params& params, const Ports& io, Context& context) {
-        require_stencil_fits(*io.surface, sizeof(float), context.memory_budget());
-        if (io.velocity) require_collocation_fits(*io.velocity, context.memory_budget());
+        require_stencil_fits(*io.surface, sizeof(float), context.limits().memory);
+        if (io.velocity) require_collocation_fits(*io.velocity, context.limits().memory);
         return surface_terms(*io.surface, io.velocity, params);
     }
 };
@@ -324,9 +324,9 @@ struct VolumeEnergy : EnergySum<VolumeEnergy> {
 
     static std::vector<EnergyTerm> terms(const Params& params, const Ports& io, Context& context) {
         if (io.velocity)
-            require_stencil_fits(*io.velocity, sizeof(openvdb::Vec3s), context.memory_budget());
+            require_stencil_fits(*io.velocity, sizeof(openvdb::Vec3s), context.limits().memory);
         for (const auto& field : io.fields)
-            require_stencil_fits(*field, sizeof(float), context.memory_budget());
+            require_stencil_fits(*field, sizeof(float), context.limits().memory);
         return volume_terms(io.velocity, io.fields, params);
     }
 };
@@ -367,7 +367,7 @@ struct Vorticity {
     using Params = GainParams;
     using Ports = VelocityPorts;
     static void run(const Params& params, Ports& io, Context& context) {
-        require_stencil_fits(*io.velocity, sizeof(openvdb::Vec3s), context.memory_budget());
+        require_stencil_fits(*io.velocity, sizeof(openvdb::Vec3s), context.limits().memory);
         io.energy = vorticity_energy(io.velocity, params.gain);
     }
 };

@@ -66,7 +66,7 @@ struct ImageEnergy {
     static void run(const Params& params, Ports& io, Context& context) {
         for (const auto& [channel, weight] : terms_of(*io.source, params.channels)) {
             require_near(channel->getName(), active_box(*channel));
-            require_dense_fits(*channel, sizeof(float), context.memory_budget());
+            require_dense_fits(*channel, sizeof(float), context.limits().memory);
         }
         io.energy = image_energy(*io.source, params.channels);
         if (context.wants("intensity")) io.intensity = intensity(*io.source, params.channels);

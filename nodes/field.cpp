@@ -27,7 +27,7 @@ struct FieldOf {
         Ref<To> result;
     };
     static void run(const Params&, Ports& io, Context& context) {
-        require_stencil_fits(*io.field, sizeof(typename To::ValueType), context.memory_budget());
+        require_stencil_fits(*io.field, sizeof(typename To::ValueType), context.limits().memory);
         io.result = compute(io.field);
     }
 };
@@ -45,7 +45,7 @@ struct FieldCollocate {
         Ref<VectorGrid> velocity, collocated;
     };
     static void run(const Params&, Ports& io, Context& context) {
-        require_collocation_fits(*io.velocity, context.memory_budget());
+        require_collocation_fits(*io.velocity, context.limits().memory);
         io.collocated = collocated(io.velocity);
     }
 };
@@ -101,7 +101,7 @@ struct FieldFilter {
         Ref<FloatGrid> field, filtered;
     };
     static void run(const Params& params, Ports& io, Context& context) {
-        require_stencil_fits(*io.field, sizeof(float), context.memory_budget());
+        require_stencil_fits(*io.field, sizeof(float), context.limits().memory);
         io.filtered = filtered_field(*io.field, params.mode, params.width, params.iterations);
     }
 };
@@ -159,7 +159,7 @@ struct FieldMagnitude {
         Ref<FloatGrid> magnitude;
     };
     static void run(const Params&, Ports& io, Context& context) {
-        require_collocation_fits(*io.vectors, context.memory_budget());
+        require_collocation_fits(*io.vectors, context.limits().memory);
         io.magnitude = magnitude_field(io.vectors);
     }
 };

@@ -141,7 +141,7 @@ struct Resample {
     static void run(const Params& params, Ports& io, Context& context) {
         const auto transform = voxels_of(io.like, params.voxel_size);
         io.volume =
-            std::make_shared<Volume>(resampled(*io.source, *transform, context.memory_budget()));
+            std::make_shared<Volume>(resampled(*io.source, *transform, context.limits().memory));
     }
 };
 

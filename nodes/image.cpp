@@ -59,12 +59,12 @@ struct ImageRead {
         const auto header = images().header(path, format.name);
         for (const auto& [output, channel] : params.channels)
             require_channel(path, header, channel);
-        if (const auto bytes = bytes_as_volume(header); bytes > context.memory_budget())
+        if (const auto bytes = bytes_as_volume(header); bytes > context.limits().memory)
             throw Failure(fmt::format("{} has {} pixels of {} channels, which take {:.1f} GiB of "
                                       "memory; --memory allows {:.1f}",
                                       path, fmt::join(upright_size(header), " x "),
                                       header.channels.size(), static_cast<double>(bytes) / 0x1p30,
-                                      static_cast<double>(context.memory_budget()) / 0x1p30),
+                                      static_cast<double>(context.limits().memory) / 0x1p30),
                           Failure::Kind::input);
         if (header.more > 0)
             context.warn(

@@ -146,7 +146,7 @@ struct MaskDilate {
         Ref<MaskGrid> mask, dilated;
     };
     static void run(const Params& params, Ports& io, Context& context) {
-        require_stencil_fits(*io.mask, state_bytes, context.memory_budget());
+        require_stencil_fits(*io.mask, state_bytes, context.limits().memory);
         io.dilated = dilated_mask(*io.mask, params.voxels);
     }
 };

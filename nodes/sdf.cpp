@@ -140,7 +140,7 @@ struct SdfToMesh {
         Ref<Mesh> mesh;
     };
     static void run(const Params& params, Ports& io, Context& context) {
-        require_stencil_fits(*io.surface, sizeof(float), context.memory_budget());
+        require_stencil_fits(*io.surface, sizeof(float), context.limits().memory);
         io.mesh =
             std::make_shared<Mesh>(surface_mesh(*io.surface, params.isovalue, params.adaptivity));
     }

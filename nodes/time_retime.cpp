@@ -86,7 +86,7 @@ public:
             scale = params.scale ? *params.scale : found_scale(context);
             context.report("retime", {{"scale", scale}});
         }
-        motions_.emplace(source_, scale, context.memory_budget());
+        motions_.emplace(source_, scale, context.limits().memory);
     }
 
     void run(const Params& params, Ports& io, Context& context) const {
@@ -131,7 +131,7 @@ private:
                    context.check_cancelled();
                    double out = 0;
                    for (const auto& [a, b, frames] : pairs)
-                       out += mismatch(a, b, frames * voxels / speed, context.memory_budget());
+                       out += mismatch(a, b, frames * voxels / speed, context.limits().memory);
                    return out;
                }) /
                speed;

@@ -262,7 +262,7 @@ struct VdbRead {
 
     static void run(const Params& params, Ports& io, Context& context) {
         Contents contents(file_of(params.path, params.missing, context), params.profile,
-                          context.memory_budget());
+                          context.limits().memory);
         const auto placement = placement_of(params);
         std::map<std::string, std::vector<std::size_t>> places;
         for (const auto& [output, choice] : params.grids)

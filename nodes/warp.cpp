@@ -114,7 +114,7 @@ struct WarpSolve {
         if (context.place() == 0 && !states_nothing(params))
             require_ends(gathering_params(params), io.lattice->form());
         const auto grids = grids_of(io);
-        require_frame_fits(grids, *io.lattice, context.memory_budget());
+        require_frame_fits(grids, *io.lattice, context.limits().memory);
         const auto out = std::make_shared<FrameEnergy>(
             sample_frame(grids, io.lattice, params.axis, Measure::vertex));
         if (io.content) out->width = width_in(*io.content, *io.lattice, params.axis);
@@ -225,8 +225,7 @@ private:
         const int factor = warp_factor_for(params, set, frames);
         auto& warp = set.warp.emplace(set.warp_vertices(), set.warp_rings(), factor, frames,
                                       context.limits());
-        FrameStore weights(frames, warp.values(0).size(), context.memory_budget(),
-                           context.work_folder());
+        FrameStore weights(frames, warp.values(0).size(), context.limits());
         find_weights(taken.energy, taken.typical,
                      {params.field_weight, params.evenness, params.empty}, warp, weights);
         const auto task = warp_task(params, amount, set, warp);

@@ -25,8 +25,7 @@ constexpr std::size_t most_reused = std::size_t{1} << 25;
 }  // namespace
 
 template <class Entry>
-FrameStoreOf<Entry>::FrameStoreOf(std::size_t count, std::size_t entries,
-                                  std::uint64_t memory_budget, const std::string& folder)
+FrameStoreOf<Entry>::FrameStoreOf(std::size_t count, std::size_t entries, const Limits& limits)
     : count_(count), entries_(entries) {
     std::size_t bytes = 0;
     if (__builtin_mul_overflow(count, entries, &bytes) ||
@@ -35,26 +34,26 @@ FrameStoreOf<Entry>::FrameStoreOf(std::size_t count, std::size_t entries,
             fmt::format("{} frames of {} values each are more than any memory holds; use a coarser "
                         "or smaller lattice",
                         count, entries));
-    on_disk_ = bytes > memory_budget;
+    const bool on_disk = bytes > limits.memory;
     if (bytes == 0) return;
     const auto fault = [&](int code) {
         return Failure(
             fmt::format("can't get memory for {} of energies, seams or displacements: {}",
                         size_text(bytes), std::strerror(code)));
     };
-    if (!on_disk_ && bytes <= most_reused) {
+    if (!on_disk && bytes <= most_reused) {
         data_ = {static_cast<Entry*>(std::calloc(bytes, 1)), Release{0}};
         if (!data_) throw fault(ENOMEM);
         return;
     }
     const int file =
-        on_disk_ ? scratch_file(folder, "energies, seams or displacements", bytes) : -1;
+        on_disk ? scratch_file(limits.folder, "energies, seams or displacements", bytes) : -1;
     void* const at = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
-                          on_disk_ ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS, file, 0);
+                          on_disk ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS, file, 0);
     const int code = errno;
     if (file >= 0) close(file);
     if (at == MAP_FAILED) throw fault(code);
-    if (!on_disk_) madvise(at, bytes, MADV_HUGEPAGE);
+    if (!on_disk) madvise(at, bytes, MADV_HUGEPAGE);
     data_ = {static_cast<Entry*>(at), Release{bytes}};
 }
 

@@ -1,29 +1,26 @@
 #pragma once
 
+#include "carve/base/limits.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 
 namespace fluidcarve {
 
 /// Stores the entries of a sequence: 16-bit numbers or floats, the same number for each frame,
-/// initially 0. The store is held in memory or, if it exceeds the budget, in a mapped file that
+/// initially 0. The store is held in memory or, if it exceeds the limits, in a mapped file that
 /// disappears with the process.
 template <class Entry>
 class FrameStoreOf {
 public:
-    /// @param count          number of frames
-    /// @param entries        per frame
-    /// @param memory_budget  bytes that may be held in memory
-    /// @param folder         of the mapped file; created if missing
+    /// @param count    number of frames
+    /// @param entries  per frame
     /// @throws Failure if neither memory nor disk can hold the frames
-    FrameStoreOf(std::size_t count, std::size_t entries, std::uint64_t memory_budget,
-                 const std::string& folder);
+    FrameStoreOf(std::size_t count, std::size_t entries, const Limits& limits = {});
 
     std::size_t count() const { return count_; }
-    bool on_disk() const { return on_disk_; }
     std::span<Entry> entries(std::size_t n) { return {data_.get() + n * entries_, entries_}; }
     std::span<const Entry> entries(std::size_t n) const {
         return {data_.get() + n * entries_, entries_};
@@ -35,7 +32,6 @@ private:
         void operator()(Entry* data) const;
     };
     std::size_t count_, entries_;
-    bool on_disk_;
     std::unique_ptr<Entry, Release> data_;
 };
 

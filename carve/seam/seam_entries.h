@@ -27,7 +27,7 @@ public:
     /// @throws Failure if the disk can't hold it
     static SeamEntries in_file(std::span<const std::uint16_t> entries, const std::string& folder) {
         SeamEntries out;
-        out.file_ = std::make_shared<FrameStore>(1, entries.size(), 0, folder);
+        out.file_ = std::make_shared<FrameStore>(1, entries.size(), Limits{0, folder});
         std::copy(entries.begin(), entries.end(), out.file_->entries(0).begin());
         return out;
     }

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 
 namespace fluidcarve {
 
@@ -196,8 +195,7 @@ void SmoothDisplacement::resize(int last) {
     row_ = whole_eights(static_cast<std::size_t>(last_ - first_) + 1);
     const auto count =
         row_ * static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_);
-    entries_ =
-        std::make_shared<FloatFrameStore>(1, count, std::numeric_limits<std::uint64_t>::max(), "");
+    entries_ = std::make_shared<FloatFrameStore>(1, count);
 }
 
 SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplacement(step, 0, 0) {

@@ -49,8 +49,7 @@ Warp::Warp(const std::array<int, 3>& vertices, const Rings& rings, int factor, s
       points_(points_of(vertices, rings, factor)),
       rings_(rings),
       factor_(factor),
-      values_(std::make_shared<FloatFrameStore>(frames, product(points_), limits.memory,
-                                                limits.folder)) {}
+      values_(std::make_shared<FloatFrameStore>(frames, product(points_), limits)) {}
 
 std::array<int, 3> Warp::points_of(const std::array<int, 3>& vertices, const Rings& rings,
                                    int factor) {

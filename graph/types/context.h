@@ -6,10 +6,11 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include <cstdint>
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace fluidcarve {
@@ -76,10 +77,8 @@ public:
     /// Empty: none.
     Provenance provenance() const { return host_->provenance(); }
 
-    /// Bytes that one node may hold in memory for the whole sequence. Beyond that it uses files
-    /// below `work_folder`.
-    std::uint64_t memory_budget() const { return limits_.memory; }
-    const std::string& work_folder() const { return limits_.folder; }
+    /// Of one node: what it may hold in memory for the whole sequence, and the work folder, where it
+    /// holds the rest in files.
     const Limits& limits() const { return limits_; }
 
     Context& at(std::size_t place) {
@@ -91,8 +90,8 @@ public:
         wants_ = std::move(wants);
         return *this;
     }
-    Context& limits(std::uint64_t memory_budget, std::string work_folder) {
-        limits_ = {memory_budget, std::move(work_folder)};
+    Context& limits(Limits limits) {
+        limits_ = std::move(limits);
         return *this;
     }
 

@@ -120,7 +120,7 @@ FloatGrid::Ptr AxProgram::run(const AxParams& params, const std::string& output,
             name, everywhere(name == frame_input ? frame : (frame - 1) / rate_of(params).value(),
                              inputs.front().second->grid->transform()));
     }
-    return evaluated(module, *compiled_, all, output, least, context.memory_budget(), place);
+    return evaluated(module, *compiled_, all, output, least, context.limits().memory, place);
 }
 
 bool may_read_moment(const AxParams& params) {

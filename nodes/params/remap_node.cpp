@@ -43,7 +43,7 @@ void RemapNode::foresee_frames(const Params& params, const std::string& idle, Ou
 
 void RemapNode::finish_frames(const Params& params, const Seams& seams, Context& context) {
     frames_.finish(seams, seams_of(params.count, seams).value_or(seams.size()),
-                   retimes(params, frames_.numbers()), params, context.memory_budget());
+                   retimes(params, frames_.numbers()), params, context.limits().memory);
 }
 
 }  // namespace fluidcarve

@@ -248,7 +248,7 @@ private:
         out.seams = params.overlay.has(Overlay::seams);
         out.slice = params.slice;
         out.difference = params.difference;
-        out.budget = context.memory_budget();
+        out.budget = context.limits().memory;
         return out;
     }
 

@@ -26,7 +26,7 @@ void GridScript::check(const PythonParams& params, const std::string& function, 
 }
 
 void GridScript::add(const GridScriptParams& params, const Inputs& inputs, Context& context) {
-    const SharedGrids grids(inputs, context.memory_budget());
+    const SharedGrids grids(inputs, context.limits().memory);
     // A worker of its own: what the script gathers in its variables is for this node alone.
     if (!worker_) worker_ = new_worker(params, context);
     call_script(
@@ -53,7 +53,7 @@ void GridScript::finish(const GridScriptParams& params, Context& context) {
 
 FloatGrid::Ptr GridScript::numbers(const GridScriptParams& params, const std::string& function,
                                    float least, const Inputs& inputs, Context& context) const {
-    const SharedGrids grids(inputs, context.memory_budget());
+    const SharedGrids grids(inputs, context.limits().memory);
     SharedGrids::Numbers out(grids, least);
     for (const auto& part : grids.parts(params.halo))
         call_script(
@@ -79,7 +79,7 @@ FloatGrid::Ptr GridScript::numbers(const GridScriptParams& params, const std::st
 
 MaskGrid::Ptr GridScript::states(const GridScriptParams& params, const std::string& function,
                                  const Inputs& inputs, Context& context) const {
-    const SharedGrids grids(inputs, context.memory_budget());
+    const SharedGrids grids(inputs, context.limits().memory);
     const auto out = MaskGrid::create();
     for (const auto& part : grids.parts(params.halo))
         call_script(

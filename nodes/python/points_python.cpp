@@ -101,7 +101,7 @@ struct PointsPython {
             inputs.push_back(columns_of(*points, context));
             bytes += inputs.back().bytes() + 8 * inputs.back().columns.size();
         }
-        if (!grid_fits(static_cast<double>(bytes), context.memory_budget()))
+        if (!grid_fits(static_cast<double>(bytes), context.limits().memory))
             throw Failure("the points take more than --memory allows; raise it");
         Points out = *io.inputs.front().second;
         call_script(

@@ -40,7 +40,7 @@ struct RigPython {
             [&](Worker& worker) {
                 Json out{{"wants", "positions"}};
                 if (!io.inputs.empty()) {
-                    const SharedGrids grids(io.inputs, context.memory_budget());
+                    const SharedGrids grids(io.inputs, context.limits().memory);
                     out["grids"] = grids.write(worker, grids.parts(std::nullopt).front());
                 }
                 return out;

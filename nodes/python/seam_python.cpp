@@ -139,7 +139,7 @@ private:
 Seams::Seam seam_of_script(const PythonParams& params, const EnergyVolume& energy, Window window,
                            Context& context) {
     SeamCall call(params, energy, window);
-    call.require_room(context.memory_budget());
+    call.require_room(context.limits().memory);
     call_script(
         params, "seam", context, [&](Worker& worker) { return call.give(worker); },
         [&](Worker& worker, const Json&) { call.take(worker); });

@@ -58,7 +58,7 @@ std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports&
     }
     const auto grids = grids_of(io);
     const int finest = finest_for(params, *io.lattice);
-    require_frame_fits(grids, *io.lattice, context.memory_budget(), finest);
+    require_frame_fits(grids, *io.lattice, context.limits().memory, finest);
     return std::make_shared<FrameEnergy>(
         sample_frame(grids, io.lattice, params.axis, params.measure, finest));
 }

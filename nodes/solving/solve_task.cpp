@@ -70,9 +70,9 @@ private:
         };
         options.best_effort = setup_.best_effort;
         options.thick = setup_.thick;
-        TaskBounds bounds(
-            setup_.bound_passes, static_cast<int>(options.before.size()),
-            [&] { context_.check_cancelled(); }, parts_.memory(), context_.work_folder());
+        TaskBounds bounds(setup_.bound_passes, static_cast<int>(options.before.size()),
+                          [&] { context_.check_cancelled(); },
+                          {parts_.memory(), context_.limits().folder});
         options.bounds = &bounds;
         auto out = parts_(part, count_, tick, std::move(options));
         done_ += share;

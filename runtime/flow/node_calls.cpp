@@ -43,7 +43,7 @@ Context NodeCalls::context(BodyHost& host, const FrameRun* frame) const {
     const auto& timelines = setup_.timelines;
     const auto& [numbers, index] = delivers(host.node, frame) ? timelines.delivered(host.node)
                                                               : timelines.input_frames(host.node);
-    auto out = Context(host, numbers).limits(setup_.options.memory, setup_.options.work_folder);
+    auto out = Context(host, numbers).limits({setup_.options.memory, setup_.options.work_folder});
     return frame ? out.at(index.at(frame->place).value()) : out;
 }
 

@@ -20,15 +20,14 @@ namespace {
 /// Finds the warp of a smoke's energy, and one greedy seam in it.
 /// @param factor  vertices from point to point of the warp
 void bench_size(const std::array<int, 3>& shape, std::size_t frames, int factor) {
-    constexpr auto in_memory = ~std::uint64_t{0};
     const auto energy = test::SyntheticEnergy(test::Synthetic::smoke, 3)(shape, frames);
     const int runs = factor == 1 ? 3 : 1;
     const auto typical = Typical::of(energy);  // comes with the energies
     int cycles = 0;
     const auto warp = [&] {
         return seconds(runs, [&] {
-            Warp found(shape, {}, factor, frames, {in_memory, ""});
-            FrameStore weights(frames, found.values(0).size(), in_memory, "");
+            Warp found(shape, {}, factor, frames);
+            FrameStore weights(frames, found.values(0).size());
             find_weights(energy, typical, {}, found, weights);
             WarpTask task;
             task.window = {0, shape[0] - 1};

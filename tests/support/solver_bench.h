@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/base/limits.h"
 #include "carve/lattice/mapping.h"
 #include "carve/seam/seams.h"
 #include "carve/volume/volume.h"
@@ -54,8 +55,7 @@ using Grids = std::map<std::string, std::vector<openvdb::GridBase::ConstPtr>>;
 struct Otherwise {
     Ref<Seams> before;  ///< found by another run, with what was reported of them
     nlohmann::ordered_json reported;
-    std::uint64_t memory_budget = ~std::uint64_t{0};
-    std::string work_folder;
+    Limits limits;
     /// What becomes of each digest before it is taken.
     std::function<Payload(const Payload&)> digest;
 };
@@ -89,15 +89,13 @@ inline Solved solve(NodeType type, const std::string& yaml,
                 inputs[name] = {Payload(openvdb::gridConstPtrCast<FloatGrid>(grid))};
             else inputs[name] = {Payload(std::make_shared<AnyGrid>(AnyGrid{grid}))};
         }
-        auto context =
-            Context(out.listener, frames).limits(otherwise.memory_budget, otherwise.work_folder);
+        auto context = Context(out.listener, frames).limits(otherwise.limits);
         if (adds > 1) context.at(t);
         const auto digest = bench.digest(inputs, context);
         bench.consume(otherwise.digest ? otherwise.digest(digest) : digest, context);
     }
     if (otherwise.before) bench.resume(Payload(otherwise.before), otherwise.reported);
-    const auto context =
-        Context(out.listener, frames).limits(otherwise.memory_budget, otherwise.work_folder);
+    const auto context = Context(out.listener, frames).limits(otherwise.limits);
     out.seams = bench.gathered(still, context).at("seams").as<Seams>();
     return out;
 }

@@ -22,8 +22,7 @@ EnergyVolume::EnergyVolume(const Shape& shape, std::vector<float> costs, const L
       stride_(static_cast<std::size_t>(width_)),
       closed_(shape.closed),
       around_(shape.around),
-      codes_(shape.frames, costs.empty() ? stride_ * columns_per_frame() : 0, limits.memory,
-             limits.folder),
+      codes_(shape.frames, costs.empty() ? stride_ * columns_per_frame() : 0, limits),
       sums_(std::move(costs)),
       protects_(std::ranges::any_of(sums_, [](float cost) { return std::isinf(cost); })) {}
 
@@ -33,9 +32,9 @@ EnergyVolume::EnergyVolume(const Shape& shape, const Limits& limits)
 EnergyVolume::EnergyVolume(const Shape& shape, std::vector<float> costs)
     : EnergyVolume(shape, std::move(costs), {}) {}
 
-void EnergyVolume::add_field(float weight, std::uint64_t memory_budget, const std::string& folder) {
+void EnergyVolume::add_field(float weight, const Limits& limits) {
     weight_ = weight;
-    field_.emplace(frames_, columns_per_frame(), width_, memory_budget, folder);
+    field_.emplace(frames_, columns_per_frame(), width_, limits);
 }
 
 std::vector<std::uint16_t> EnergyVolume::field_codes(std::size_t t) const {
@@ -92,8 +91,8 @@ void EnergyVolume::set_edges(std::size_t column, int first, int last) {
     }
 }
 
-void EnergyVolume::count_edges(std::uint64_t memory_budget, const std::string& folder) {
-    field_->add_energies(memory_budget, folder);
+void EnergyVolume::count_edges(const Limits& limits) {
+    field_->add_energies(limits);
     tbb::parallel_for(
         ColumnRange(0, columns_per_frame() * frames(), 4096), [&](const ColumnRange& range) {
             for (auto c = range.begin(); c < range.end(); ++c) {

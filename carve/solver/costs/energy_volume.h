@@ -14,7 +14,6 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -77,7 +76,8 @@ public:
     bool steps_freely_in_nothing() const { return free_in_nothing_; }
     /// Adds a field, all 0. New edges in it cost something.
     /// @param weight  cost per unit by which the field changes across an edge
-    void add_field(float weight, std::uint64_t memory_budget, const std::string& folder);
+    /// @param limits  of the field
+    void add_field(float weight, const Limits& limits = {});
     /// Sets the field of frames, from `t` on.
     /// @param codes  field codes, frame after frame, each laid out as its energies
     /// @throws Failure as FrameStore
@@ -92,8 +92,9 @@ public:
     /// Adds the cost of edges. Call it once energies and field are set. From then on an entry costs
     /// its energy plus the edge that its removal makes between the entries on either side; for a
     /// column's first and last entry, the edge between itself and the next.
+    /// @param limits  of the energies without edges
     /// @throws Failure as FrameStore
-    void count_edges(std::uint64_t memory_budget, const std::string& folder);
+    void count_edges(const Limits& limits = {});
     /// The costs of steps; points into the volume.
     StepCosts steps() const {
         const auto price = [&](float rigidity) {

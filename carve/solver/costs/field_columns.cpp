@@ -72,11 +72,10 @@ void FieldRun::remove(int entry, int width, const std::uint16_t* column) {
     if (at_end) energy(end - 1) = column[end - 1];
 }
 
-FieldColumns::FieldColumns(std::size_t frames, std::size_t columns, int width,
-                           std::uint64_t memory_budget, const std::string& folder)
+FieldColumns::FieldColumns(std::size_t frames, std::size_t columns, int width, const Limits& limits)
     : columns_(columns),
       width_(static_cast<std::size_t>(width)),
-      fields_(frames, memory_budget, folder),
+      fields_(frames, limits),
       nothing_(2 * margin()),
       runs_(frames * columns, FieldRun{.codes = nothing_.data() + margin()}) {}
 
@@ -108,9 +107,9 @@ void FieldColumns::make(Codes& codes, std::size_t t, std::uint16_t* FieldRun::*o
     }
 }
 
-void FieldColumns::add_energies(std::uint64_t memory_budget, const std::string& folder) {
+void FieldColumns::add_energies(const Limits& limits) {
     const auto frames = runs_.size() / columns_;
-    energies_.emplace(frames, memory_budget, folder);
+    energies_.emplace(frames, limits);
     for (std::size_t t = 0; t < frames; ++t) make(*energies_, t, &FieldRun::energies);
 }
 
@@ -118,15 +117,15 @@ std::uint64_t FieldColumns::bytes() const {
     return runs_.size() * sizeof(FieldRun) + fields_.bytes() + (energies_ ? energies_->bytes() : 0);
 }
 
-FieldColumns::Codes::Codes(std::size_t frames, std::uint64_t budget, std::string folder)
-    : budget_(budget), folder_(std::move(folder)) {
-    for (std::size_t t = 0; t < frames; ++t) stores_.emplace_back(1, 0, 0, folder_);
+FieldColumns::Codes::Codes(std::size_t frames, Limits limits) : limits_(std::move(limits)) {
+    for (std::size_t t = 0; t < frames; ++t) stores_.emplace_back(1, 0);
 }
 
 std::uint16_t* FieldColumns::Codes::make(std::size_t t, std::size_t count) {
-    stores_[t] = FrameStore(1, 0, 0, folder_);
+    stores_[t] = FrameStore(1, 0);
     const auto taken = bytes();
-    stores_[t] = FrameStore(1, count, taken < budget_ ? budget_ - taken : 0, folder_);
+    stores_[t] =
+        FrameStore(1, count, {taken < limits_.memory ? limits_.memory - taken : 0, limits_.folder});
     return stores_[t].entries(0).data();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "carve/base/frame_store.h"
+#include "carve/base/limits.h"
 #include "carve/solver/costs/code.h"
 #include "carve/solver/costs/lanes.h"
 
@@ -8,7 +9,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace fluidcarve {
@@ -47,21 +47,19 @@ struct FieldRun {
 class FieldColumns {
 public:
     /// A field of 0.
-    /// @param columns        of a frame
-    /// @param width          entries of a column
-    /// @param memory_budget  bytes of codes that may be held in memory; frames beyond it are held
-    ///   in files in `folder`
-    FieldColumns(std::size_t frames, std::size_t columns, int width, std::uint64_t memory_budget,
-                 const std::string& folder);
+    /// @param columns  of a frame
+    /// @param width    entries of a column
+    /// @param limits   of codes; frames beyond them are held in files
+    FieldColumns(std::size_t frames, std::size_t columns, int width, const Limits& limits = {});
 
     /// Sets frames, from `t` on.
     /// @param codes  their field codes, `[t][column][entry]`
     /// @throws Failure as FrameStore
     void set(std::size_t t, std::span<const std::uint16_t> codes);
     /// Makes room for the energies of all runs.
-    /// @param memory_budget, folder  as for the field
+    /// @param limits  as for the field
     /// @throws Failure as FrameStore
-    void add_energies(std::uint64_t memory_budget, const std::string& folder);
+    void add_energies(const Limits& limits);
     bool has_energies() const { return energies_.has_value(); }
 
     /// Runs of all frames, `[t][column]`.
@@ -70,17 +68,16 @@ public:
     std::uint64_t bytes() const;  ///< of codes and runs
 
 private:
-    /// Codes of frames; in files beyond a memory budget.
+    /// Codes of frames; in files beyond the limits.
     class Codes {
     public:
-        Codes(std::size_t frames, std::uint64_t budget, std::string folder);
+        Codes(std::size_t frames, Limits limits);
         /// Makes room for `count` codes of a frame, in place of its old ones.
         std::uint16_t* make(std::size_t t, std::size_t count);
         std::uint64_t bytes() const;
 
     private:
-        std::uint64_t budget_;
-        std::string folder_;
+        Limits limits_;
         std::vector<FrameStore> stores_;
     };
 

@@ -58,7 +58,7 @@ EnergyVolume turned(const EnergyVolume& from, const Limits& limits) {
             std::ranges::copy(codes, out.codes(layer).begin());
         });
     if (!from.has_field()) return out;
-    out.add_field(0, limits.memory, limits.folder);
+    out.add_field(0, limits);
     turn(
         from, limits.memory / 4, [&](std::size_t t) { return from.field_codes(t); },
         [&](std::size_t layer, std::span<const std::uint16_t> codes) {

@@ -300,25 +300,26 @@ auto with_passing(const EnergyVolume& energy, Window window, const CoarseMessage
     return call(MessagePassing<std::uint16_t>(energy, window, coarse, frames_per_block, messages));
 }
 
+/// For messages at the full resolution, and as much for those at half of it.
+Limits half_of(const Limits& limits) { return {limits.memory / 2, limits.folder}; }
+
 Messages room_for_messages(const EnergyVolume& energy, Window window, std::size_t frames,
-                           std::uint64_t memory_budget, const std::string& folder) {
+                           const Limits& limits) {
     return {dimensions_of_lines(Columns(energy)), energy.columns_per_frame() * frames,
-            static_cast<std::size_t>(window.size()), memory_budget, folder};
+            static_cast<std::size_t>(window.size()), limits};
 }
 
 /// Messages for an energy at half its resolution, which begin with those at a quarter, and so on.
 /// None for a single line, which needs none.
 std::optional<CoarseMessages> messages_at_half(const EnergyVolume& energy, Window window,
-                                               int passes, const Tick& tick,
-                                               std::uint64_t memory_budget,
-                                               const std::string& folder) {
+                                               int passes, const Tick& tick, const Limits& limits) {
     if (dimensions_of_lines(Columns(energy)).size() == 1) return std::nullopt;
     tick(0);
     const auto half = restrict_energy(energy, window, std::numeric_limits<float>::infinity());
     const Window all{0, half.width() - 1};
-    const auto coarse = messages_at_half(half, all, std::min(times_more * passes, most_passes),
-                                         tick, memory_budget, folder);
-    auto messages = room_for_messages(half, all, half.frames(), memory_budget, folder);
+    const auto coarse =
+        messages_at_half(half, all, std::min(times_more * passes, most_passes), tick, limits);
+    auto messages = room_for_messages(half, all, half.frames(), limits);
     with_passing(half, all, coarse ? &*coarse : nullptr, half.frames(), messages,
                  [&](auto&& passing) { passing.to_and_fro(passes, tick); });
     return CoarseMessages(Columns(half), static_cast<std::size_t>(half.width()), half.protects(),
@@ -335,13 +336,13 @@ double sum_of(std::span<const double> parts, const EnergyVolume& energy) {
 }  // namespace
 
 double lower_bound(const EnergyVolume& energy, Window window, int passes, const Tick& tick,
-                   std::uint64_t memory_budget, const std::string& folder) {
-    const auto coarse =
-        messages_at_half(energy, window, passes_at_half, tick, memory_budget / 2, folder);
+                   const Limits& limits) {
+    const auto half = half_of(limits);
+    const auto coarse = messages_at_half(energy, window, passes_at_half, tick, half);
     const auto frame = energy.columns_per_frame() * static_cast<std::size_t>(window.size());
     const auto block = std::min(
         energy.frames(), std::clamp(entries_per_block / frame, std::size_t{2}, frames_per_block));
-    auto messages = room_for_messages(energy, window, block, memory_budget / 2, folder);
+    auto messages = room_for_messages(energy, window, block, half);
     const auto find = [&](auto&& passing) { return passing.bound(passes, tick); };
     return sum_of(with_passing(energy, window, coarse ? &*coarse : nullptr, block, messages, find),
                   energy);
@@ -356,8 +357,7 @@ struct ConsecutiveBounds::Kept {
     std::vector<double> from{};  ///< what the frames from each one on add to the last bound
 };
 
-ConsecutiveBounds::ConsecutiveBounds(std::uint64_t memory_budget, std::string folder)
-    : memory_budget_(memory_budget), folder_(std::move(folder)) {}
+ConsecutiveBounds::ConsecutiveBounds(Limits limits) : limits_(std::move(limits)) {}
 
 ConsecutiveBounds::~ConsecutiveBounds() = default;
 
@@ -367,11 +367,11 @@ double ConsecutiveBounds::operator()(const EnergyVolume& energy, Window window, 
     const bool first = !kept_ || kept_->first_seam != first_with(number);
     if (first) {
         kept_.reset();
-        coarse =
-            messages_at_half(energy, window, passes_at_half, tick, memory_budget_ / 2, folder_);
+        const auto half = half_of(limits_);
+        coarse = messages_at_half(energy, window, passes_at_half, tick, half);
         kept_ = std::make_unique<Kept>(
-            Kept{room_for_messages(energy, window, energy.frames(), memory_budget_ / 2, folder_),
-                 window.first, first_with(number), energy.columns_per_frame()});
+            Kept{room_for_messages(energy, window, energy.frames(), half), window.first,
+                 first_with(number), energy.columns_per_frame()});
     }
     const Ways ways{kept_->forward, first, true};
     kept_->forward = !kept_->forward;

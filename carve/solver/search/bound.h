@@ -1,11 +1,11 @@
 #pragma once
 
+#include "carve/base/limits.h"
 #include "carve/solver/search/seam_bounds.h"
 
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 
 namespace fluidcarve {
 
@@ -20,14 +20,13 @@ namespace fluidcarve {
 /// top.
 /// If vertices are marked, this is a bound on the cost (Costs); energy_bound() turns it into a
 /// bound on the energy.
-/// @param window         holds a seam
-/// @param passes         passes to and fro after the first pass through each block, 0 or more;
+/// @param window  holds a seam
+/// @param passes  passes to and fro after the first pass through each block, 0 or more;
 ///   they raise the bound
-/// @param memory_budget  bytes that messages may hold in memory; beyond, they are in files in
-///   `folder`
+/// @param limits  of messages
 /// @throws Failure as FrameStore
 double lower_bound(const EnergyVolume& energy, Window window, int passes, const Tick& tick,
-                   std::uint64_t memory_budget = ~std::uint64_t{0}, const std::string& folder = "");
+                   const Limits& limits = {});
 
 /// lower_bound() for consecutive seams, each in the energy that the seams before it leave.
 /// Messages are passed on from seam to seam, to and fro in turn, and follow the entries that seams
@@ -38,9 +37,8 @@ public:
     /// Number of the first seam that shares messages with seam `number`.
     static int first_with(int number) { return number / seams_per_search * seams_per_search; }
 
-    /// @param memory_budget, folder  as for lower_bound()
-    explicit ConsecutiveBounds(std::uint64_t memory_budget = ~std::uint64_t{0},
-                               std::string folder = "");
+    /// @param limits  as for lower_bound()
+    explicit ConsecutiveBounds(Limits limits = {});
     ConsecutiveBounds(const ConsecutiveBounds&) = delete;
     ConsecutiveBounds& operator=(const ConsecutiveBounds&) = delete;
     ~ConsecutiveBounds();
@@ -63,8 +61,7 @@ private:
 
     struct Kept;
     std::unique_ptr<Kept> kept_;  ///< null: nothing yet
-    std::uint64_t memory_budget_;
-    std::string folder_;
+    Limits limits_;
 };
 
 }  // namespace fluidcarve

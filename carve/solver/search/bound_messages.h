@@ -1,6 +1,7 @@
 #pragma once
 
 #include "carve/base/frame_store.h"
+#include "carve/base/limits.h"
 #include "carve/simd/wide.h"
 #include "carve/solver/search/bound_column.h"
 #include "carve/solver/search/columns.h"
@@ -34,10 +35,10 @@ void fill_infinite(std::span<float> values);
 class Messages {
 public:
     Messages(std::span<const std::size_t> dimensions, std::size_t columns, std::size_t width,
-             std::uint64_t memory_budget, const std::string& folder)
+             const Limits& limits)
         : columns_(columns), width_(whole_eights(width)) {
-        for (const auto d : dimensions)
-            stores_[d].emplace(1, columns * width_, memory_budget / dimensions.size(), folder);
+        const Limits of_each{limits.memory / dimensions.size(), limits.folder};
+        for (const auto d : dimensions) stores_[d].emplace(1, columns * width_, of_each);
     }
     /// The upper halves of a message's entries; whole_eights() of them.
     std::uint16_t* of(std::size_t dimension, std::size_t column) {

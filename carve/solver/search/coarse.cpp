@@ -91,7 +91,7 @@ constexpr std::size_t columns_at_once = std::size_t{1} << 16;
 void restrict_field(const EnergyVolume& energy, Window window, const Columns& coarse,
                     EnergyVolume& out) {
     const Columns fine(energy);
-    out.add_field(energy.field_weight() / 2, ~std::uint64_t{0}, "");
+    out.add_field(energy.field_weight() / 2);
     // A few frames at once: their coarse field is never held as a whole.
     const auto at_once =
         std::min(std::max(columns_at_once / coarse.per_frame(), std::size_t{1}), coarse.frames());

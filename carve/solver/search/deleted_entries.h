@@ -15,7 +15,7 @@ public:
     /// @param width  original entries per column
     DeletedEntries(std::size_t columns, int width, const Limits& limits)
         : words_((static_cast<std::size_t>(width) + 15) / 16),
-          store_(1, columns * words_, limits.memory, limits.folder) {}
+          store_(1, columns * words_, limits) {}
 
     /// Deletes a seam.
     /// @param at  its entries in the space that earlier seams left; become original entries

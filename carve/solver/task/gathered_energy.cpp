@@ -1,6 +1,7 @@
 #include "carve/solver/task/gathered_energy.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/region.h"
 #include "carve/field/active_range.h"
 #include "carve/simd/wide.h"
 #include "carve/solver/costs/carve.h"
@@ -66,8 +67,8 @@ FLUIDCARVE_WIDE void expand(std::uint16_t& lowest, std::uint16_t& highest,
 }
 
 std::string box_text(const openvdb::BBoxd& box) {
-    return fmt::format("({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g})", box.min().x(), box.min().y(),
-                       box.min().z(), box.max().x(), box.max().y(), box.max().z());
+    const auto &low = box.min(), &high = box.max();
+    return to_text(Region::Box{{low.x(), low.y(), low.z()}, {high.x(), high.y(), high.z()}});
 }
 
 }  // namespace
@@ -164,7 +165,7 @@ EnergyVolume GatheredEnergy::room(const std::array<int, 3>& shape, std::size_t f
         {budget, limits.folder});
     const int spread = params.spread.value_or(has_field_ ? 3 : 0);
     out.set_spread(finest_ == 2 ? halved(spread) : spread);
-    if (has_field_) out.add_field(0, budget, limits.folder);
+    if (has_field_) out.add_field(0, {budget, limits.folder});
     return out;
 }
 
@@ -254,7 +255,7 @@ GatheredEnergy::Searched GatheredEnergy::take(const SolverParams& params, const 
         out.energy.set_spread(0);
     } else {
         set_prices(out.energy, taken.typical, prices_of(params, has_field_));
-        if (out.energy.has_field()) out.energy.count_edges(limits.memory / 3, limits.folder);
+        if (out.energy.has_field()) out.energy.count_edges({budget(limits), limits.folder});
     }
     if (marks_.protect || marks_.attract) out.energy.find_marks();
     return out;

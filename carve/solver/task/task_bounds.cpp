@@ -23,13 +23,12 @@ bool few(const EnergyVolume& energy, Window window) {
 }  // namespace
 
 TaskBounds::TaskBounds(std::optional<int> passes, int before, std::function<void()> check,
-                       std::uint64_t memory_budget, const std::string& folder)
+                       Limits limits)
     : passes_(passes),
       before_(before),
       check_(std::move(check)),
-      memory_budget_(memory_budget),
-      folder_(folder),
-      consecutive_(memory_budget, folder) {}
+      limits_(std::move(limits)),
+      consecutive_(limits_) {}
 
 bool TaskBounds::find(const EnergyVolume& energy, Window window, int number, const Tick& tick) {
     if (!few(energy, window)) return false;
@@ -42,9 +41,9 @@ std::optional<double> TaskBounds::energy_bound(const EnergyVolume& energy, Windo
                                                const Tick& tick) {
     if (find(energy, window, number, tick)) return fluidcarve::energy_bound(energy, found, *found_);
     if (!passes_ && number > 0) return std::nullopt;
-    return fluidcarve::energy_bound(energy, found,
-                                    lower_bound(energy, window, passes_.value_or(passes_of_large),
-                                                tick, memory_budget_, folder_));
+    return fluidcarve::energy_bound(
+        energy, found,
+        lower_bound(energy, window, passes_.value_or(passes_of_large), tick, limits_));
 }
 
 void TaskBounds::follow(const EnergyVolume& energy, Window window,

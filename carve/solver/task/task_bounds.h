@@ -1,12 +1,12 @@
 #pragma once
 
+#include "carve/base/limits.h"
 #include "carve/solver/search/bound.h"
 
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
-#include <string>
 
 namespace fluidcarve {
 
@@ -14,13 +14,12 @@ namespace fluidcarve {
 /// all if passes are stated.
 class TaskBounds : public SeamBounds {
 public:
-    /// @param passes                 of lower_bound(); nothing: as few as there may be
-    /// @param before                 number of seams that an earlier search found; bounds after
+    /// @param passes  of lower_bound(); nothing: as few as there may be
+    /// @param before  number of seams that an earlier search found; bounds after
     ///   them are those of an uninterrupted search
-    /// @param check                  called now and then; stops the work by throwing
-    /// @param memory_budget, folder  as for lower_bound()
-    TaskBounds(std::optional<int> passes, int before, std::function<void()> check,
-               std::uint64_t memory_budget, const std::string& folder);
+    /// @param check   called now and then; stops the work by throwing
+    /// @param limits  as for lower_bound()
+    TaskBounds(std::optional<int> passes, int before, std::function<void()> check, Limits limits);
 
     bool find(const EnergyVolume& energy, Window window, int number, const Tick& tick) override;
     double with(const SeamStart& start) const override { return consecutive_.with(start); }
@@ -34,8 +33,7 @@ private:
     std::optional<int> passes_;
     int before_;
     std::function<void()> check_;
-    std::uint64_t memory_budget_;
-    std::string folder_;
+    Limits limits_;
     ConsecutiveBounds consecutive_;
     std::optional<double> found_;  ///< by the last find(), for a seam that is not deleted yet
 };

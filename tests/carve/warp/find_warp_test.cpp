@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
-#include <limits>
 #include <random>
 #include <vector>
 
@@ -18,7 +17,6 @@ using namespace fluidcarve;
 
 namespace {
 
-constexpr auto no_limit = std::numeric_limits<std::uint64_t>::max();
 const std::function<void(double)> nobody = [](double) {};
 
 /// A lattice with weights, and the warp that is found in it.
@@ -28,7 +26,7 @@ struct Found {
           const Warp::Rings& rings = {})
         : size(size),
           warp({size[0], size[1], size[2]}, rings, 1, static_cast<std::size_t>(size[3])),
-          weights(warp.frames(), warp.values(0).size(), no_limit, "") {
+          weights(warp.frames(), warp.values(0).size()) {
         task.window = {0, size[0] - 1};
         task.shares.assign(static_cast<std::size_t>(size[2] * size[3]), 1.0f);
         for (int t = 0; t < size[3]; ++t)

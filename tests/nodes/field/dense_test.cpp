@@ -40,7 +40,7 @@ typename Grid::Ptr tile(const std::string& name, const typename Grid::ValueType&
     return out;
 }
 
-Context scarce() { return Context().limits(gigabyte, "."); }
+Context scarce() { return Context().limits({gigabyte, "."}); }
 
 }  // namespace
 

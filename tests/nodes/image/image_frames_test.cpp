@@ -142,7 +142,9 @@ TEST_CASE("windows so far off that their pixels can't be counted are refused", "
 
 TEST_CASE("an image of more pixels than the memory takes is refused", "[images]") {
     NodeBench node(image_read(), "{path: " TEST_DATA "/images/chelsea.png}");
-    CHECK(failure_of([&] { node.run({}, Context().limits(1 << 20, ".")); }) == TEST_DATA
+    CHECK(failure_of([&] {
+              node.run({}, Context().limits({1 << 20, "."}));
+          }) == TEST_DATA
           "/images/chelsea.png has 451 x 300 pixels of 3 channels, which take 0.0 GiB of memory; "
           "--memory allows 0.0");
     // Its window counts, not what the file stores of it.
@@ -151,7 +153,9 @@ TEST_CASE("an image of more pixels than the memory takes is refused", "[images]"
     image.display.width = image.display.height = 100'000;
     images().write(scratch / "a.exr", image, 95);
     NodeBench wide(image_read(), "{path: " + (scratch / "a.exr") + "}");
-    CHECK_THAT(failure_of([&] { wide.run({}, Context().limits(1 << 30, ".")); }),
+    CHECK_THAT(failure_of([&] {
+                   wide.run({}, Context().limits({1 << 30, "."}));
+               }),
                Catch::Contains("a.exr has 100000 x 100000 pixels of 1 channels, which take 37.3 "
                                "GiB of memory"));
 }

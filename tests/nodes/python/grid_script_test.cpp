@@ -168,7 +168,7 @@ TEST_CASE("what scripts can't take is refused before any is called") {
     const auto huge = FloatGrid::create();
     huge->tree().addTile(3, Coord(0), 1, true);
     CHECK(failure_of([&] {
-              script.field({{"d", any(huge)}}, Context().limits(1 << 20, "."));
+              script.field({{"d", any(huge)}}, Context().limits({1 << 20, "."}));
           }).find("--memory allows") != std::string::npos);
 }
 

@@ -166,8 +166,7 @@ TEST_CASE(
         if (seed % 3 == 0) energy.set_rigidity({0.5f, 0.25f});
         const Window window{1, 12};
         const auto free = greedy_seam(energy, window, int(seed), 40, nobody);
-        TaskBounds bounds(
-            4, 0, [] {}, 0, Scratch().path());
+        TaskBounds bounds(4, 0, [] {}, {0, Scratch().path()});
         REQUIRE(bounds.find(energy, window, 0, nobody));
         for (const double share : {0.0, 0.5, 0.99, 1.0001, 1.2, 3.0})
             for (const auto* const given : {static_cast<const TaskBounds*>(nullptr),

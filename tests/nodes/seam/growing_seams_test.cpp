@@ -355,8 +355,7 @@ TEST_CASE("seams are the same in memory, on disk, and continued on disk") {
                             box(shape), {},          before};
             const auto all = solve(task, sign * 4);
             Otherwise on_disk;
-            on_disk.memory_budget = 0;
-            on_disk.work_folder = scratch.path();
+            on_disk.limits = {0, scratch.path()};
             const auto some = solve(task, sign * 2, on_disk);
             REQUIRE(some.seams->seams[1].at.on_disk());
             on_disk.before = some.seams;

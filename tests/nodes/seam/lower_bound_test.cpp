@@ -76,7 +76,7 @@ TEST_CASE(
         CHECK(bound <= least);
         CHECK(bound >= 0.8 * least);
         const Scratch scratch;
-        CHECK(lower_bound(energy, {0, 6}, n % 3, nobody, 0, scratch.path()) == bound);
+        CHECK(lower_bound(energy, {0, 6}, n % 3, nobody, {0, scratch.path()}) == bound);
     }
 }
 
@@ -259,10 +259,7 @@ TEST_CASE(
                 .seams;
         };
         const auto plain = find(nullptr);
-        TaskBounds all(
-            std::nullopt, 0, [] {}, ~std::uint64_t{0}, ""),
-            rest(
-                std::nullopt, 3, [] {}, ~std::uint64_t{0}, "");
+        TaskBounds all(std::nullopt, 0, [] {}, {}), rest(std::nullopt, 3, [] {}, {});
         const auto bounded = find(&all),
                    resumed = find(&rest, {bounded.begin(), bounded.begin() + 3});
         for (std::size_t n = 0; n < plain.size(); ++n) {

@@ -88,7 +88,7 @@ TEST_CASE("with forward costs the energy is handed on and edges are counted anew
         return out;
     };
     auto energy = make({1, 2, 4, 8, 16, 32});
-    energy.count_edges(~std::uint64_t{0}, "");
+    energy.count_edges();
     energy.set_spread(1);
     energy.remove(std::vector<std::uint16_t>{2}, {0, 5});
     // The field is 0 1 9 16 25 now.

@@ -77,7 +77,7 @@ void require_slabs(const Seams& set, int thickness, std::size_t count) {
 EnergyVolume slab_volume(std::size_t frames,
                          const std::function<float(int i, int j, int k, std::size_t t)>& field) {
     EnergyVolume out({slab_lattice, Axis::u, frames});
-    out.add_field(0, ~std::uint64_t{0}, "");
+    out.add_field(0);
     std::mt19937 random(3);
     for (std::size_t t = 0; t < frames; ++t) {
         std::vector<std::uint16_t> codes;

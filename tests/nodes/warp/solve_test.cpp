@@ -52,7 +52,7 @@ Otherwise from(const Solved& before) {
 /// A run with so many bytes of memory.
 Otherwise within(std::uint64_t bytes) {
     Otherwise out;
-    out.memory_budget = bytes;
+    out.limits.memory = bytes;
     return out;
 }
 

@@ -53,7 +53,7 @@ TEST_CASE("a field reads the same as if all of it were held, while entries are d
     constexpr int width = 21;
     const Scratch scratch;
     for (const std::uint64_t budget : {~std::uint64_t{0}, std::uint64_t{0}}) {
-        FieldColumns field(frames, columns, width, budget, scratch.path());
+        FieldColumns field(frames, columns, width, {budget, scratch.path()});
         std::vector<Codes> want;
         for (std::size_t t = 0; t < frames; ++t) {
             const auto codes = random_field(random, columns, width);
@@ -106,7 +106,7 @@ TEST_CASE(
         const auto last = columns * frames;
         // What the volume holds, column by column: energies without edges, and the field.
         std::vector<Codes> energies(last), field(last);
-        energy.add_field(weight, ~std::uint64_t{0}, "");
+        energy.add_field(weight);
         for (std::size_t t = 0; t < frames; ++t) {
             const auto codes = random_field(random, columns, width);
             energy.set_field(t, codes);
@@ -116,7 +116,7 @@ TEST_CASE(
                 field[t * columns + n / width].push_back(codes[n]);
             }
         }
-        energy.count_edges(~std::uint64_t{0}, "");
+        energy.count_edges();
         energy.set_spread(spread);
         const Window window = spread == 3 ? Window{1, width - 2} : Window{0, width - 1};
         for (int left = width; left > 5; --left) {
@@ -166,7 +166,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a field that is not set is 0") {
-    const FieldColumns field(2, 3, 10, ~std::uint64_t{0}, "");
+    const FieldColumns field(2, 3, 10);
     for (const auto& run : field.runs()) {
         std::vector<float> values(10, 1.0f), few(4, 1.0f);
         run.read(0, values);
@@ -180,7 +180,7 @@ TEST_CASE("a field that is not set is 0") {
 TEST_CASE("a field takes memory where it is not 0") {
     constexpr std::size_t columns = 64;
     constexpr int width = 1000;
-    FieldColumns field(1, columns, width, ~std::uint64_t{0}, "");
+    FieldColumns field(1, columns, width);
     Codes codes(columns * width, 0);
     field.set(0, codes);
     const auto empty = field.bytes();

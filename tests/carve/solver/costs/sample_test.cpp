@@ -173,9 +173,10 @@ TEST_CASE("an energy that is none is named with its place") {
 TEST_CASE("frames over the memory budget go to a file that leaves no trace") {
     const Scratch scratch;
     const auto folder = scratch / "work";
+    FrameStore(3, 1000, {6000, folder});
+    CHECK(!std::filesystem::exists(folder));
     {
-        FrameStore store(3, 1000, 100, folder);
-        CHECK(store.on_disk());
+        FrameStore store(3, 1000, {100, folder});
         for (std::size_t n = 0; n < 3; ++n)
             for (std::size_t i = 0; i < 1000; ++i) {
                 REQUIRE(store.entries(n)[i] == 0);
@@ -184,15 +185,16 @@ TEST_CASE("frames over the memory budget go to a file that leaves no trace") {
         CHECK(store.entries(2)[999] == 2999);
         CHECK(std::filesystem::is_empty(folder));
     }
-    CHECK(!FrameStore(3, 1000, 6000, folder).on_disk());
-    CHECK(failure_of([&] { FrameStore(1, 5'000'000, 1, "/proc/nowhere"); })
+    CHECK(failure_of([&] {
+              FrameStore(1, 5'000'000, {1, "/proc/nowhere"});
+          })
               .starts_with("10.0 MB of energies, seams or displacements exceed the memory budget "
                            "and can't be stored in the work folder"));
 }
 
 TEST_CASE("more energy than any memory holds is refused, not wrapped around") {
     CHECK_THROWS_WITH(
-        FrameStore(std::size_t{1} << 18, std::size_t{1} << 45, ~std::uint64_t{0}, "."),
+        FrameStore(std::size_t{1} << 18, std::size_t{1} << 45),
         "262144 frames of 35184372088832 values each are more than any memory holds; use a coarser "
         "or smaller lattice");
 }
