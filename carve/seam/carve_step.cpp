@@ -1,6 +1,7 @@
 #include "carve/seam/carve_step.h"
 
 #include "carve/base/failure.h"
+#include "carve/seam/column_cell.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -142,15 +143,10 @@ void CarveStep::find_first_displaced(const Seams& seams, std::size_t t) {
 }
 
 CarveStep::Ends CarveStep::warped_ends(const openvdb::Vec3d& at, double scale) const {
-    const auto cell = [](double x, int last) {
-        return std::clamp(static_cast<int>(std::floor(x)), 0, std::max(0, last));
-    };
     const double lateral = at[lateral_axis_] - first_lateral_,
                  along = at[slice_axis_] - first_slice_;
-    const int j = cell(lateral, laterals_ - (around_ ? 1 : 2)),
-              k = cell(along, slices_ - (closed_ ? 1 : 2));
-    const int next_j = around_ ? (j + 1) % laterals_ : std::min(j + 1, laterals_ - 1),
-              next_k = closed_ ? (k + 1) % slices_ : std::min(k + 1, slices_ - 1);
+    const auto [j, k, next_j, next_k] =
+        column_cell(lateral, along, laterals_, slices_, around_, closed_);
     const auto of = [&](int column, int slice) -> const Ends& {
         return column_ends_[static_cast<std::size_t>(column) +
                             static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slice)];

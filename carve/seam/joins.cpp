@@ -1,5 +1,7 @@
 #include "carve/seam/joins.h"
 
+#include "carve/seam/column_cell.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -152,15 +154,10 @@ std::array<double, 2> Joins::range(const std::array<int, 3>& first,
 
 void Joins::sides(const openvdb::Vec3d& at, std::vector<Side>& to) const {
     to.clear();
-    const auto cell = [](double x, int last) {
-        return std::clamp(static_cast<int>(std::floor(x)), 0, std::max(0, last));
-    };
     const double u = at[axis_], lateral = at[lateral_axis_] - first_lateral_,
                  slice = at[slice_axis_] - first_slice_;
-    const int j = cell(lateral, laterals_ - (around_ ? 1 : 2)),
-              k = cell(slice, slices_ - (closed_ ? 1 : 2));
-    const int next_j = around_ ? (j + 1) % laterals_ : std::min(j + 1, laterals_ - 1),
-              next_k = closed_ ? (k + 1) % slices_ : std::min(k + 1, slices_ - 1);
+    const auto [j, k, next_j, next_k] =
+        column_cell(lateral, slice, laterals_, slices_, around_, closed_);
     const PlacesBetween place(
         {column(j, k), column(next_j, k), column(j, next_k), column(next_j, next_k)},
         std::clamp(lateral - j, 0.0, 1.0), std::clamp(slice - k, 0.0, 1.0));

@@ -89,14 +89,10 @@ public:
                               std::vector<float> line(width_);
                               for (auto c = range.begin(); c < range.end(); ++c) {
                                   const auto out = std::span(weights_).subspan(c * width_, width_);
-                                  std::ranges::fill(out, 0.0f);
-                                  float count = 0;
-                                  each_child(finer, c, [&](std::size_t child) {
+                                  mean_of_children(finer, c, out, [&](std::size_t child) {
                                       finer.load_weights(child, line);
                                       for (std::size_t p = 0; p < width_; ++p) out[p] += line[p];
-                                      ++count;
                                   });
-                                  for (auto& weight : out) weight /= count;
                               }
                           });
     }
@@ -134,14 +130,11 @@ public:
                               Lines lines(width_);
                               for (auto c = range.begin(); c < range.end(); ++c) {
                                   const auto out = std::span(wanted_).subspan(c * width_, width_);
-                                  std::ranges::fill(out, 0.0f);
-                                  if (fixed_[c]) continue;
-                                  float count = 0;
-                                  each_child(finer, c, [&](std::size_t child) {
-                                      finer.add_residual(child, lines, out);
-                                      ++count;
-                                  });
-                                  for (auto& value : out) value /= count;
+                                  if (fixed_[c]) std::ranges::fill(out, 0.0f);
+                                  else
+                                      mean_of_children(finer, c, out, [&](std::size_t child) {
+                                          finer.add_residual(child, lines, out);
+                                      });
                               }
                           });
     }
@@ -246,6 +239,19 @@ private:
             for (int k = low[1]; k <= high[1]; ++k)
                 for (int lateral = low[0]; lateral <= high[0]; ++lateral)
                     visit(finer.column({lateral, k, t}));
+    }
+    /// Sets `into` to the mean of the columns of the finer level that column `c` stands for.
+    /// @param add  adds one of them to `into`
+    template <class Add>
+    void mean_of_children(const Level& finer, std::size_t c, std::span<float> into,
+                          const Add& add) const {
+        std::ranges::fill(into, 0.0f);
+        float count = 0;
+        each_child(finer, c, [&](std::size_t child) {
+            add(child);
+            ++count;
+        });
+        for (auto& value : into) value /= count;
     }
 
     const float* value(std::size_t c) const { return const_cast<Level*>(this)->value(c); }

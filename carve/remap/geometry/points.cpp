@@ -143,6 +143,15 @@ private:
     const Jitter& jitter_;
 };
 
+/// Whether a step leaves a point where it is, since the point lies beyond all that the step moves.
+/// @param scale, ends  of the step, there
+bool stays(const CarveStep& step, const Vec3d& at, double scale, const CarveStep::Ends& ends) {
+    const double u = at[step.axis()];
+    const auto [first, last] = ends;
+    return !step.holds(at) || scale == 0 || u < std::min<double>(first, step.origin()) ||
+           u > std::max<double>(last, step.last_before());
+}
+
 /// Finds the places of a point after a step whose seams are joined by a fade.
 /// @param places, rooms  as for carve_point()
 void join_point(const CarveStep& step, const Vec3d& at, double share, std::vector<double>& places,
@@ -151,10 +160,7 @@ void join_point(const CarveStep& step, const Vec3d& at, double share, std::vecto
     places.clear();
     rooms.clear();
     const double u = at[step.axis()], scale = step.scale(at);
-    const auto [first, last] = step.ends(at, scale);
-    if (!step.holds(at) || scale == 0 || u < std::min<double>(first, step.origin()) ||
-        u > std::max<double>(last, step.last_before()))
-        places.push_back(u);
+    if (stays(step, at, scale, step.ends(at, scale))) places.push_back(u);
     else if (u >= step.origin() && u <= step.last_before())
         step.joins()->places(step, at, share, places);
     for (const double place : places) rooms.emplace_back(place - around, place + around);
@@ -250,15 +256,14 @@ void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& pl
         rooms.emplace_back(u, u);
     };
     const double scale = step.scale(at);
-    const auto [first, last] = step.ends(at, scale);
-    if (!step.holds(at) || scale == 0 || u < std::min<double>(first, step.origin()) ||
-        u > std::max<double>(last, step.last_before()))
-        return stay();
+    const auto ends = step.ends(at, scale);
+    if (stays(step, at, scale, ends)) return stay();
     if (u < step.origin() || u > step.last_before()) return;  // an insertion overwrites it
 
     // The content at `u*` comes from `u* + scale d`, where `d` is a whole number between the bounds
     // of seams. The places of a point are all `u*` whose content comes from it. They are searched
     // from bound to bound; their sources never fall.
+    const auto [first, last] = ends;
     const StepColumns bounds(step, at);
     const auto inserts = [&](std::size_t n) {
         return step.inserts() == (n < static_cast<std::size_t>(step.count()));
