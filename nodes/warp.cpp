@@ -11,6 +11,7 @@
 #include "nodes/params/param_forms.h"
 #include "nodes/params/warp_params.h"
 #include "nodes/solving/foreseen.h"
+#include "nodes/solving/growth_of.h"
 #include "nodes/solving/seam_node.h"
 #include "nodes/solving/warp_report.h"
 #include "nodes/solving/warp_task.h"
@@ -263,9 +264,6 @@ private:
 NodeType warp_solve() {
     using Ports = WarpSolve::Ports;
     using Params = WarpParams;
-    const auto params_of = [](const void* params) -> const Params& {
-        return *static_cast<const Params*>(params);
-    };
     return Declare<WarpSolve>("warp.solve",
                               "Finds a displacement of all vertices as a whole, in place of seams: "
                               "it squeezes or draws out most where that is seen least. The amount "
@@ -347,17 +345,7 @@ NodeType warp_solve() {
                "the report tells it.")
         .output("seams", &Ports::seams, "The warp; all that takes seams takes it.")
         .digests({"energy", "lattice", "field", "protect", "attract", "content", "axis"})
-        .grows(
-            {.param = "amount",
-             .rest = [params_of](const void* params) { return WarpSolve::rest(params_of(params)); },
-             .item_count = &WarpSolve::item_count,
-             .wanted =
-                 [params_of](const void* params, std::size_t vertices) {
-                     return WarpSolve::wanted(params_of(params), vertices);
-                 },
-             .first = &WarpSolve::first,
-             .warnings = &WarpSolve::warnings,
-             .item = "amount"})
+        .grows(growth_of<WarpSolve>("amount", "amount"))
         .in_place()
         .kept()
         .version(3);

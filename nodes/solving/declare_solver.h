@@ -3,7 +3,10 @@
 #include "graph/types/node_type.h"
 #include "nodes/params/carve_inputs.h"
 #include "nodes/params/param_forms.h"
+#include "nodes/solving/growth_of.h"
 #include "nodes/solving/seam_node.h"
+
+#include <utility>
 
 namespace fluidcarve {
 
@@ -12,9 +15,9 @@ template <class Node>
 Declare<Node>& declare_solver(Declare<Node>& node) {
     using Params = SeamNode::Params;
     using Ports = SeamNode::Ports;
-    const auto params_of = [](const void* params) -> const Params& {
-        return *static_cast<const typename Declare<Node>::Params*>(params);
-    };
+    auto growth = growth_of<SeamNode, typename Declare<Node>::Params>("count", "seam");
+    growth.best_effort = "best_effort";
+    growth.exhausted = &SeamNode::exhausted;
     return node
         .input("energy", &Ports::energy,
                "The energy, 0 or more: seams avoid high values. It is sampled at the lattice's "
@@ -131,22 +134,9 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
                "million vertices in a frame, and says so; else 1. Images, and seams of frames, are "
                "solved at full size.")
         .output("seams", &Ports::seams, "The seams, in the order in which they were found.")
-        .promises([params_of](const auto& params) { return SeamNode::in_time(params_of(&params)); },
-                  only_remapped)
+        .promises([](const Params& params) { return SeamNode::in_time(params); }, only_remapped)
         .digests({"energy", "lattice", "field", "protect", "attract", "axis", "measure", "finest"})
-        .grows(
-            {.param = "count",
-             .rest = [params_of](const void* params) { return SeamNode::rest(params_of(params)); },
-             .item_count = &SeamNode::item_count,
-             .wanted =
-                 [params_of](const void* params, std::size_t vertices) {
-                     return SeamNode::wanted(params_of(params), vertices);
-                 },
-             .first = &SeamNode::first,
-             .warnings = &SeamNode::warnings,
-             .item = "seam",
-             .best_effort = "best_effort",
-             .exhausted = &SeamNode::exhausted})
+        .grows(std::move(growth))
         .in_place()
         .kept()
         .version(4);
