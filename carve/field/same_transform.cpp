@@ -16,8 +16,8 @@ using openvdb::Mat3d;
 constexpr double hardly = 1e-6;  ///< relative difference allowed between voxel sizes, which may
                                  ///< have been stored as floats
 
-/// Row i is the step from a voxel to the next along index axis i, world units.
-Mat3d steps_of(const openvdb::math::Transform& transform) {
+/// Row i is the edge of a voxel along index axis i, world units.
+Mat3d voxel_edges(const openvdb::math::Transform& transform) {
     return transform.baseMap()->getAffineMap()->getMat4().getMat3();
 }
 
@@ -33,24 +33,24 @@ bool is_multiple_of_identity(const Mat3d& matrix, double size) {
 
 bool cubes_along_axes(const openvdb::math::Transform& transform) {
     if (!transform.isLinear()) return false;
-    const auto steps = steps_of(transform);
-    return steps(0, 0) > 0 && is_multiple_of_identity(steps, steps(0, 0));
+    const auto edges = voxel_edges(transform);
+    return edges(0, 0) > 0 && is_multiple_of_identity(edges, edges(0, 0));
 }
 
 bool are_cubes(const openvdb::math::Transform& transform) {
     if (!transform.isLinear()) return false;
-    const auto steps = steps_of(transform);
-    const auto products = steps * steps.transpose();
+    const auto edges = voxel_edges(transform);
+    const auto products = edges * edges.transpose();
     return is_multiple_of_identity(products, products(0, 0));
 }
 
 bool same_voxels(const openvdb::math::Transform& a, const openvdb::math::Transform& b) {
     if (!a.isLinear() || !b.isLinear()) return a == b;
-    const auto steps_a = steps_of(a), steps_b = steps_of(b);
+    const auto edges_a = voxel_edges(a), edges_b = voxel_edges(b);
     double size = 0, apart = 0;
     for (int row = 0; row < 3; ++row) {
-        size = std::max(size, steps_a.row(row).length());
-        apart = std::max(apart, (steps_a.row(row) - steps_b.row(row)).length());
+        size = std::max(size, edges_a.row(row).length());
+        apart = std::max(apart, (edges_a.row(row) - edges_b.row(row)).length());
     }
     return apart <= hardly * size;
 }

@@ -25,7 +25,7 @@ using namespace openvdb::points;
 using Leaf = PointDataTree::LeafNodeType;
 using Positions = AttributeHandle<Vec3f>;
 
-const PointDataGrid& of(const openvdb::GridBase& grid) {
+const PointDataGrid& as_points(const openvdb::GridBase& grid) {
     return static_cast<const PointDataGrid&>(grid);
 }
 
@@ -36,7 +36,7 @@ struct Leaves {
 
     explicit Leaves(const openvdb::GridBase& grid) { add(grid); }
     void add(const openvdb::GridBase& grid) {
-        for (auto leaf = of(grid).tree().cbeginLeaf(); leaf; ++leaf) {
+        for (auto leaf = as_points(grid).tree().cbeginLeaf(); leaf; ++leaf) {
             all.push_back(&*leaf);
             first.push_back(first.back() + leaf->pointCount());
         }
@@ -253,7 +253,7 @@ void require_sound(const openvdb::GridBase& grid, const std::string& path) {
                       Failure::Kind::input);
     });
     std::uint64_t count = 0;
-    for (auto leaf = of(grid).tree().cbeginLeaf(); leaf; ++leaf) {
+    for (auto leaf = as_points(grid).tree().cbeginLeaf(); leaf; ++leaf) {
         leaves.require(*leaf);
         count += leaf->pointCount();
     }
@@ -299,7 +299,7 @@ std::vector<std::uint64_t> point_identities(const openvdb::GridBase& grid) {
 }
 
 bool has_point_ids(const openvdb::GridBase& grid) {
-    const auto leaf = of(grid).tree().cbeginLeaf();
+    const auto leaf = as_points(grid).tree().cbeginLeaf();
     const auto* const ids = leaf ? leaf->attributeSet().getConst("id") : nullptr;
     return ids && ids->stride() == 1 &&
            (ids->valueType() == openvdb::typeNameAsString<std::int32_t>() ||
@@ -307,7 +307,7 @@ bool has_point_ids(const openvdb::GridBase& grid) {
 }
 
 bool alike(const openvdb::GridBase& a, const openvdb::GridBase& b) {
-    const auto x = of(a).tree().cbeginLeaf(), y = of(b).tree().cbeginLeaf();
+    const auto x = as_points(a).tree().cbeginLeaf(), y = as_points(b).tree().cbeginLeaf();
     return !x || !y || x->attributeSet().descriptor() == y->attributeSet().descriptor();
 }
 
@@ -328,7 +328,7 @@ openvdb::GridBase::ConstPtr with_images(const openvdb::GridBase& grid,
                         ? std::make_unique<Leaf>(*leaves.all[gathered[n].points.front().leaf])
                         : made(gathered[n], leaves, lock);
         });
-    const auto tree = std::make_shared<PointDataTree>(of(grid).background());
+    const auto tree = std::make_shared<PointDataTree>(as_points(grid).background());
     for (auto& leaf : made_leaves) tree->addLeaf(leaf.release());
     // Share the transform: a copy of a map computes its inverse again.
     const auto out = std::const_pointer_cast<openvdb::GridBase>(grid.copyGridReplacingTransform(

@@ -81,20 +81,20 @@ int FrameCarve::place_of(int number) const {
 
 Volume FrameCarve::volume(int number, bool pace) const {
     const int n = place_of(number);
-    auto out = map_->frame(frames_of(source_, *motions_), n);
+    auto out = map_->frame(frame_source(source_, *motions_), n);
     const auto rate = pace ? map_->rate(n) : nullptr;
     return rate ? paced(out, rate) : out;
 }
 
 Points FrameCarve::points(int number, bool pace) const {
     const int n = place_of(number);
-    auto out = map_->frame(frames_of(points_), n);
+    auto out = map_->frame(frame_source(points_), n);
     const auto rate = pace ? map_->rate(n) : nullptr;
     return rate ? paced(out, rate) : out;
 }
 
 Mesh FrameCarve::mesh(int number) const {
-    return map_->frame(frames_of(meshes_), place_of(number));
+    return map_->frame(frame_source(meshes_), place_of(number));
 }
 
 }  // namespace fluidcarve

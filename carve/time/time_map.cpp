@@ -300,7 +300,7 @@ template Volume TimeMap::frame(const FrameSource<Volume>&, int) const;
 template Points TimeMap::frame(const FrameSource<Points>&, int) const;
 template Mesh TimeMap::frame(const FrameSource<Mesh>&, int) const;
 
-FrameSource<Volume> frames_of(const Sequence& sequence, const Motions& motions) {
+FrameSource<Volume> frame_source(const Sequence& sequence, const Motions& motions) {
     return {[&](std::size_t place) { return sequence.at(place).volume; },
             [&](const Volume& a, const Volume& b, std::size_t place, const ShareAt& share,
                 bool second) {
@@ -313,7 +313,7 @@ FrameSource<Volume> frames_of(const Sequence& sequence, const Motions& motions) 
             }};
 }
 
-FrameSource<Points> frames_of(const NumberedFrames<Points>& list) {
+FrameSource<Points> frame_source(const NumberedFrames<Points>& list) {
     return {[&](std::size_t place) { return *list.at(place); },
             [](const Points& a, const Points& b, std::size_t, const ShareAt& share, bool second) {
                 const auto name = velocity_name(a);
@@ -326,7 +326,7 @@ FrameSource<Points> frames_of(const NumberedFrames<Points>& list) {
             }};
 }
 
-FrameSource<Mesh> frames_of(const NumberedFrames<Mesh>& list) {
+FrameSource<Mesh> frame_source(const NumberedFrames<Mesh>& list) {
     return {[&](std::size_t place) { return *list.at(place); },
             [](const Mesh& a, const Mesh& b, std::size_t, const ShareAt& share, bool second) {
                 return mesh_between(a, b, share, second ? b : a);

@@ -38,11 +38,11 @@ struct FrameSource {
         mixed;
 };
 /// @param sequence, motions  must outlive the result
-FrameSource<Volume> frames_of(const Sequence& sequence, const Motions& motions);
+FrameSource<Volume> frame_source(const Sequence& sequence, const Motions& motions);
 /// The same of points, which go along their velocities.
-FrameSource<Points> frames_of(const NumberedFrames<Points>& list);
+FrameSource<Points> frame_source(const NumberedFrames<Points>& list);
 /// The same of meshes, whose vertices move straight.
-FrameSource<Mesh> frames_of(const NumberedFrames<Mesh>& list);
+FrameSource<Mesh> frame_source(const NumberedFrames<Mesh>& list);
 
 /// Carves seams of frames from a sequence (METHOD 12 "Seams of frames"): at each place, frames are
 /// removed or shown twice, at moments of its own. The lattice must not move. Places beyond a box

@@ -258,7 +258,7 @@ private:
 /// The room of one column, and where it is.
 struct Room {
     double ratio = 1;  ///< available room as a share of the wanted room; 1: enough
-    std::size_t t = 0, column = 0, free = 0, of = 0;
+    std::size_t t = 0, column = 0, free = 0, intervals = 0;
     Part part;
 };
 
@@ -271,7 +271,7 @@ Room room_in(const Warp& warp, std::span<const std::uint16_t> codes, const Windo
     };
     Room out;
     double room = 0;
-    for (int p = window.first; p < window.last; ++p, ++out.of) {
+    for (int p = window.first; p < window.last; ++p, ++out.intervals) {
         if (rigid(p) || rigid(p + 1)) continue;
         ++out.free;
         room += most_squeezed * static_cast<double>(length_of(warp, p));
@@ -317,7 +317,7 @@ std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const Fram
                   found.part.window,
                   found.part.pair,
                   found.free,
-                  found.of};
+                  found.intervals};
 }
 
 int find_warp(const WarpTask& task, Warp& warp, FrameStore& weights,

@@ -34,11 +34,11 @@ struct NoRoom {
     /// The greatest amount for which there is room, vertices, of the sign asked for.
     double possible = 0;
     int lateral = 0, k = 0;
-    std::size_t t = 0;     ///< the column with the least room, by vertices
-    Window window;         ///< the window with too little room
-    bool pair = false;     ///< whether `window` is a pair window
-    std::size_t free = 0;  ///< intervals along the axis that are not protected
-    std::size_t of = 0;    ///< all intervals of the window
+    std::size_t t = 0;          ///< the column with the least room, by vertices
+    Window window;              ///< the window with too little room
+    bool pair = false;          ///< whether `window` is a pair window
+    std::size_t free = 0;       ///< intervals along the axis that are not protected
+    std::size_t intervals = 0;  ///< of the window in all
 };
 
 /// Looks for a column that has no room for a task: an unprotected interval can give `most_squeezed`

@@ -20,7 +20,7 @@ namespace {
 using openvdb::Vec3d;
 
 /// Index of the point grid in the header.
-std::size_t place_of(const VdbHeader& header, const std::string& name) {
+std::size_t point_grid_index(const VdbHeader& header, const std::string& name) {
     const auto is_points = [](const VdbHeader::Entry& grid) {
         return grid.type == point_grid_type;
     };
@@ -103,7 +103,7 @@ Points read_points(const std::string& path, const std::string& grid, PointOffset
     }
     VdbFile file(path);
     const auto& header = file.header();
-    const auto place = place_of(header, grid);
+    const auto place = point_grid_index(header, grid);
     const auto found = file.read(place);
     require_sound(*found, path);
     auto by = placement;
@@ -122,7 +122,7 @@ void look_at_points(const std::string& path, const std::string& grid) {
         require_no_name(path, grid);
         read_ply_header(path);
     } else {
-        place_of(read_vdb_header(path), grid);
+        point_grid_index(read_vdb_header(path), grid);
     }
 }
 

@@ -77,7 +77,7 @@ public:
     /// Empty: none.
     Provenance provenance() const { return host_->provenance(); }
 
-    /// Of one node: what it may hold in memory for the whole sequence, and the work folder, where it
+    /// What one node may hold in memory for the whole sequence, and the work folder, where it
     /// holds the rest in files.
     const Limits& limits() const { return limits_; }
 

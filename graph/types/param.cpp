@@ -90,19 +90,19 @@ std::string to_text(const Shape& shape) {
         case Shape::Kind::vector: return "[x, y, z]";
         case Shape::Kind::interval: return "[low, high]";
         case Shape::Kind::choice: return fmt::format("one of {}", fmt::join(shape.choices, ", "));
-        case Shape::Kind::list: return "a list, each " + to_text(shape.of.at(0));
+        case Shape::Kind::list: return "a list, each " + to_text(shape.parts.at(0));
         case Shape::Kind::map: {
-            if (!shape.of.empty()) return "a map, each " + to_text(shape.of[0]);
+            if (!shape.parts.empty()) return "a map, each " + to_text(shape.parts[0]);
             std::string fields;
             for (const auto& [name, field] : shape.fields)
                 fields += (fields.empty() ? "" : ", ") + name + ": " + to_text(field);
             return "{" + fields + "}";
         }
-        case Shape::Kind::automatic: return "auto or " + to_text(shape.of.at(0));
+        case Shape::Kind::automatic: return "auto or " + to_text(shape.parts.at(0));
         case Shape::Kind::any_of: break;
     }
     std::string out;
-    for (const auto& each : shape.of) out += (out.empty() ? "" : ", or ") + to_text(each);
+    for (const auto& each : shape.parts) out += (out.empty() ? "" : ", or ") + to_text(each);
     return out;
 }
 

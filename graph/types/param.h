@@ -70,8 +70,8 @@ struct Shape {
     Kind kind = Kind::text;
     std::vector<std::string> choices;  ///< of `choice`: the names
     /// Of `list`, `map`, `automatic`: the shape of a value; of `any_of`: the alternatives.
-    std::vector<Shape> of;
-    /// Of a map with fixed fields: name and shape of each; `of` is then empty.
+    std::vector<Shape> parts;
+    /// Of a map with fixed fields: name and shape of each; `parts` is then empty.
     std::vector<std::pair<std::string, Shape>> fields = {};
 };
 /// The shape in words.

@@ -114,11 +114,11 @@ std::string sample(const Shape& shape, const Range& range) {
         case Shape::Kind::interval: return fmt::format("[{}, {}]", number(0), number(1));
         case Shape::Kind::choice: return shape.choices.at(0);
         case Shape::Kind::automatic: return "auto";
-        case Shape::Kind::list: return "[" + sample(shape.of.at(0), range) + "]";
-        case Shape::Kind::any_of: return sample(shape.of.at(0), range);
+        case Shape::Kind::list: return "[" + sample(shape.parts.at(0), range) + "]";
+        case Shape::Kind::any_of: return sample(shape.parts.at(0), range);
         case Shape::Kind::map: break;
     }
-    if (!shape.of.empty()) return "{name: " + sample(shape.of[0], range) + "}";
+    if (!shape.parts.empty()) return "{name: " + sample(shape.parts[0], range) + "}";
     std::vector<std::string> fields;
     for (const auto& [name, field] : shape.fields)
         fields.push_back(name + ": " + sample(field, range));

@@ -49,22 +49,23 @@ Json form_of(const Shape& shape, const Range& range) {
         case Shape::Kind::interval: return numbers(2, range);
         case Shape::Kind::choice: return {{"enum", shape.choices}};
         case Shape::Kind::automatic:
-            return any_of({Json{{"const", "auto"}}, form_of(shape.of.at(0), range)});
+            return any_of({Json{{"const", "auto"}}, form_of(shape.parts.at(0), range)});
         case Shape::Kind::list:
-            return {{"type", "array"}, {"items", value_of(shape.of.at(0), range)}};
+            return {{"type", "array"}, {"items", value_of(shape.parts.at(0), range)}};
         case Shape::Kind::input_path:
         case Shape::Kind::output_path: return {{"type", "string"}};
         // `check` reads an unquoted 12 or true as a text where the declaration wants one.
         case Shape::Kind::text: return {{"type", {"string", "number", "boolean"}}};
         case Shape::Kind::any_of: {
             std::vector<Json> alternatives;
-            for (const auto& each : shape.of) alternatives.push_back(form_of(each, range));
+            for (const auto& each : shape.parts) alternatives.push_back(form_of(each, range));
             return any_of(std::move(alternatives));
         }
         case Shape::Kind::map: break;
     }
     Json out{{"type", "object"}};
-    if (!shape.of.empty()) return out["additionalProperties"] = value_of(shape.of[0], range), out;
+    if (!shape.parts.empty())
+        return out["additionalProperties"] = value_of(shape.parts[0], range), out;
     out["properties"] = Json::object();
     for (const auto& [name, field] : shape.fields) out["properties"][name] = value_of(field, range);
     out["additionalProperties"] = false;

@@ -192,7 +192,7 @@ std::string ParamTraits<VertexRange>::text(const VertexRange& range) { return to
 
 Shape ParamTraits<PairRanges>::shape() {
     auto out = ParamTraits<VertexRange>::shape();
-    out.of.push_back({Shape::Kind::list, {}, {ParamTraits<VertexRange>::shape()}});
+    out.parts.push_back({Shape::Kind::list, {}, {ParamTraits<VertexRange>::shape()}});
     return out;
 }
 
@@ -223,7 +223,7 @@ Shape ParamTraits<WarpAmount>::shape() {
     curve.fields = {{"along", ParamTraits<WarpAmount::Along>::shape()},
                     {"at", {Shape::Kind::list, {}, {point}}},
                     {"over", {Shape::Kind::list, {}, {share}}}};
-    return {Shape::Kind::any_of, {}, {length.of[0], length.of[1], curve}};
+    return {Shape::Kind::any_of, {}, {length.parts[0], length.parts[1], curve}};
 }
 
 std::optional<WarpAmount> ParamTraits<WarpAmount>::parse(const Value& value, ValueReader& reader) {

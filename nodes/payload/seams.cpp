@@ -12,8 +12,9 @@
 namespace fluidcarve {
 namespace {
 
-/// The entries of a seam as steps from column to column: most are 0, so they take little space.
-std::vector<std::uint16_t> steps_of(std::span<const std::uint16_t> entries) {
+/// The differences of a seam's entries from column to column: most are 0, so they take little
+/// space.
+std::vector<std::uint16_t> differences_of(std::span<const std::uint16_t> entries) {
     std::vector<std::uint16_t> out(entries.size());
     std::adjacent_difference(
         entries.begin(), entries.end(), out.begin(),
@@ -21,16 +22,16 @@ std::vector<std::uint16_t> steps_of(std::span<const std::uint16_t> entries) {
     return out;
 }
 
-std::vector<std::uint16_t> entries_of(std::vector<std::uint16_t> steps) {
-    std::partial_sum(steps.begin(), steps.end(), steps.begin(),
-                     [](int sum, int step) { return static_cast<std::uint16_t>(sum + step); });
-    return steps;
+std::vector<std::uint16_t> entries_of(std::vector<std::uint16_t> differences) {
+    std::partial_sum(differences.begin(), differences.end(), differences.begin(),
+                     [](int sum, int next) { return static_cast<std::uint16_t>(sum + next); });
+    return differences;
 }
 
 void write_list(const std::vector<Seams::Seam>& seams, BinaryWriter& out) {
     out.value(std::uint64_t{seams.size()});
     for (const auto& seam : seams) {
-        write_packed(steps_of(seam.at.all()), out);
+        write_packed(differences_of(seam.at.all()), out);
         out.value(seam.energy);
         out.optional(seam.lower_bound);
     }

@@ -63,7 +63,7 @@ std::string no_room_text(const NoRoom& none, const WarpParams& params, const Sea
         none.possible == 0
             ? "no amount is possible"
             : fmt::format("an amount of {:.6g} is possible, but no more", none.possible),
-        frame, place, none.free, none.of, most_squeezed);
+        frame, place, none.free, none.intervals, most_squeezed);
 }
 
 }  // namespace fluidcarve

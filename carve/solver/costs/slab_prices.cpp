@@ -285,8 +285,8 @@ void SlabPrices::set_empty(EnergyVolume& prices, const EnergyVolume& volume, int
         });
 }
 
-EnergyVolume SlabPrices::of(const EnergyVolume& volume, int thickness, float empty,
-                            std::span<const Taken> all_taken, const Limits& limits) const {
+EnergyVolume SlabPrices::priced(const EnergyVolume& volume, int thickness, float empty,
+                                std::span<const Taken> all_taken, const Limits& limits) const {
     const int slabs = volume.width() - thickness + 1;
     EnergyVolume out({{slabs, volume.laterals(), volume.slices()},
                       Axis::u,

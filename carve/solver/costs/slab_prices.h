@@ -56,10 +56,10 @@ public:
     ///   prices
     /// @param taken          slabs from which the next one keeps away
     /// @param limits  as for EnergyVolume
-    EnergyVolume of(const EnergyVolume& volume, int thickness, float empty,
-                    std::span<const Taken> taken, const Limits& limits) const;
+    EnergyVolume priced(const EnergyVolume& volume, int thickness, float empty,
+                        std::span<const Taken> taken, const Limits& limits) const;
     /// Sets the prices of slabs without content. The other prices do not depend on `empty`.
-    /// @param prices  of(volume, thickness, ..., taken)
+    /// @param prices  priced(volume, thickness, ..., taken)
     void set_empty(EnergyVolume& prices, const EnergyVolume& volume, int thickness, float empty,
                    std::span<const Taken> taken) const;
 

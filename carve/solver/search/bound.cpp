@@ -210,7 +210,7 @@ private:
                 from_behind(d, {at[0], at[1], at[2] + turn.block.begin}, ahead, work);
             else if (ends) std::ranges::fill(ahead, 0.0f);
             else read = true;
-            lines[n] = {front.data(), ahead.data(), messages_.of(d, in_block),
+            lines[n] = {front.data(), ahead.data(), messages_.message(d, in_block),
                         read,         turn.kept,    work.parts[d].data()};
         }
         divide_column(lines, work.costs.data(), width_,

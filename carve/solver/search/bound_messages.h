@@ -41,7 +41,7 @@ public:
         for (const auto d : dimensions) stores_[d].emplace(1, columns * width_, of_each);
     }
     /// The upper halves of a message's entries; whole_eights() of them.
-    std::uint16_t* of(std::size_t dimension, std::size_t column) {
+    std::uint16_t* message(std::size_t dimension, std::size_t column) {
         return stores_[dimension]->entries(0).data() + column * width_;
     }
     void get(std::size_t dimension, std::size_t column, std::span<float> message) const {
@@ -61,9 +61,9 @@ public:
                           [&](const tbb::blocked_range<std::size_t>& range) {
                               for (std::size_t d = 0; d < stores_.size(); ++d)
                                   for (auto c = range.begin(); has(d) && c < range.end(); ++c) {
-                                      auto* const message = of(d, c);
-                                      std::copy(message + (entries[c] - first) + 1,
-                                                message + width_, message + (entries[c] - first));
+                                      auto* const halves = message(d, c);
+                                      std::copy(halves + (entries[c] - first) + 1, halves + width_,
+                                                halves + (entries[c] - first));
                                   }
                           });
     }

@@ -6,9 +6,9 @@ namespace fluidcarve {
 
 void SlabSearch::price(int thickness) {
     prices_.reset();
-    prices_ =
-        measured_.of(volume_, thickness,
-                     thick_.weights.empty.value_or(SlabPrices::emptiness.front()), taken_, limits_);
+    prices_ = measured_.priced(volume_, thickness,
+                               thick_.weights.empty.value_or(SlabPrices::emptiness.front()), taken_,
+                               limits_);
     if (static_) sum_ = prices_->sum();
 }
 

@@ -32,7 +32,7 @@ constexpr double small_share = 0.05;
 constexpr double least_share = 1e-4;  ///< below this share, messages state no number
 
 /// The prices of steps, in mean energies. Seams of frames have steps in space alone.
-std::array<float, 2> steps_of(const SolverParams& params, float fallback) {
+std::array<float, 2> rigidity_of(const SolverParams& params, float fallback) {
     const float in_space = params.rigidity.value_or(fallback);
     return {in_space, params.axis == Axis::t ? in_space : params.rigidity_time.value_or(fallback)};
 }
@@ -42,7 +42,7 @@ Prices prices_of(const SolverParams& params, bool forward) {
     const float rigid = !forward                 ? 0.0f
                         : params.axis == Axis::t ? rigidity_of_frames
                                                  : default_rigidity;
-    return {params.field_weight, params.empty.value_or(thin_empty), steps_of(params, rigid)};
+    return {params.field_weight, params.empty.value_or(thin_empty), rigidity_of(params, rigid)};
 }
 
 /// Joins the MissedRange of earlier frames with that of another frame. If the mask is not empty
@@ -243,7 +243,7 @@ std::optional<Thick> GatheredEnergy::thick_for(const SolverParams& params,
     }
     if (thickness * finest_ <= 1) return std::nullopt;
     return Thick{thickness,
-                 {params.field_weight, params.empty, steps_of(params, default_rigidity)}};
+                 {params.field_weight, params.empty, rigidity_of(params, default_rigidity)}};
 }
 
 GatheredEnergy::Searched GatheredEnergy::take(const SolverParams& params, const CarvedSpace& space,

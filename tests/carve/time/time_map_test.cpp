@@ -49,7 +49,7 @@ float value(const Volume& volume, const Coord& at) {
 
 Volume frame_of(const TimeMap& map, const Sequence& source, int n) {
     const Motions motions(source, 0, ~std::uint64_t{0});
-    return map.frame(frames_of(source, motions), n);
+    return map.frame(frame_source(source, motions), n);
 }
 
 Seams empty_set(Seams::Kind kind) { return no_seams(voxels(), Axis::t, kind, frame_numbers()); }

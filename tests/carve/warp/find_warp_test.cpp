@@ -302,7 +302,7 @@ TEST_CASE("an amount for which a column has no room is refused, with what is pos
     CHECK(none->k == 1);
     CHECK(none->t == 1);
     CHECK(none->free == 4);
-    CHECK(none->of == 20);
+    CHECK(none->intervals == 20);
     found.task.amount = 7.2;
     CHECK_FALSE(no_room(found.task, found.warp, found.weights));
     Found all({21, 3, 2, 2}, [](int, int, int, int) { return static_cast<double>(rigid_weight); });

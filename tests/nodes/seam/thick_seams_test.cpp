@@ -167,7 +167,7 @@ TEST_CASE(
                energy(i, j, k, t) / (energies / slabs) + unit * outlines(i, j, k, t);
     };
     const SlabPrices prices(volume, thickness, {0.7f, 1.5f, {0.1f, 0.2f}});
-    const auto got = prices.of(volume, thickness, 1.5f, {}, {});
+    const auto got = prices.priced(volume, thickness, 1.5f, {}, {});
     CHECK(got.width() == slab_lattice[0] - thickness + 1);
     CHECK(got.rigidity()[1] == Approx(0.2 * unit));
     each([&](int j, int k, std::size_t t) {
@@ -200,8 +200,8 @@ TEST_CASE(
     const SlabPrices prices(volume, 4, {1, 1.5f, {}});
     const auto columns = static_cast<std::size_t>(slab_lattice[1] * slab_lattice[2]);
     const SlabPrices::Taken taken{SeamEntries(std::vector<std::uint16_t>(columns, 20)), 4};
-    const auto before = prices.of(volume, 4, 1.5f, {}, {}),
-               behind = prices.of(volume, 4, 1.5f, {&taken, 1}, {});
+    const auto before = prices.priced(volume, 4, 1.5f, {}, {}),
+               behind = prices.priced(volume, 4, 1.5f, {&taken, 1}, {});
     const auto times = [&](int entry) {
         return decode_energy(behind.codes(0)[entry]) / decode_energy(before.codes(0)[entry]);
     };
@@ -212,7 +212,7 @@ TEST_CASE(
     CHECK(times(33) == Approx(1).epsilon(2e-3));
     // Where a slab was removed, one lies that has as much before the join as behind it.
     const SlabPrices::Taken removed{SeamEntries(std::vector<std::uint16_t>(columns, 22)), 0};
-    const auto without = prices.of(volume, 4, 1.5f, {&removed, 1}, {});
+    const auto without = prices.priced(volume, 4, 1.5f, {&removed, 1}, {});
     for (int entry = 0; entry < without.width(); ++entry)
         REQUIRE(without.codes(0)[entry] == behind.codes(0)[entry]);
 }
@@ -228,7 +228,7 @@ TEST_CASE("what is empty can be given another price, and all else keeps its own"
     const SlabPrices prices(volume, 4, {1, {}, {}});
     const auto columns = static_cast<std::size_t>(slab_lattice[1] * slab_lattice[2]);
     const SlabPrices::Taken taken{SeamEntries(std::vector<std::uint16_t>(3 * columns, 20)), 4};
-    const auto at = [&](float empty) { return prices.of(volume, 4, empty, {&taken, 1}, {}); };
+    const auto at = [&](float empty) { return prices.priced(volume, 4, empty, {&taken, 1}, {}); };
     auto given = at(1.3f);
     const auto wanted = at(3.5f);
     prices.set_empty(given, volume, 4, 3.5f, {&taken, 1});
