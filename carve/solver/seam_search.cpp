@@ -7,6 +7,7 @@
 #include "carve/solver/task/task.h"
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace fluidcarve {
@@ -29,21 +30,19 @@ Ref<Seams> SeamSearch::find(const Tick& tick) {
     auto out = std::make_shared<Seams>(empty_seams(params_, task, space));
     if (task.count == 0) return out;
     gathered_.require_met();
-    auto [energy, thick] = gathered_.take(params_, space, limits_);
-    if (thick) out->thickness = thick->thickness * finest;
+    auto [energy, thick, thickness] = gathered_.take(params_, space, limits_);
+    out->thickness = thickness;
     const FindSeam solver = Pyramid(Quality::normal, Pyramid::usual_starts);
-    const PartFinder found(energy, task, space, solver, limits_);
+    const PartFinder find(energy, task, space, solver, limits_);
     SearchOptions search;
     search.best_effort = params_.best_effort;
     search.thick = thick;
-    int count = task.count;
-    // The pair window comes first: seams there do not move the window below.
-    if (task.pairs) {
-        out->pairs = found(*task.pairs, count, tick, search).seams;
-        count = static_cast<int>(out->pairs.size());
-    }
-    out->seams = found(task.seams, count, tick, search).seams;
-    // Drops second seams whose first seam was not found.
+    auto found =
+        find_parts(task, [&](const SeamTask::Part& part, int count, const FoundSeams& /*pairs*/) {
+            return find(part, count, tick, search);
+        });
+    out->seams = std::move(found.seams.seams);
+    out->pairs = std::move(found.pairs.seams);
     if (task.pairs) out->pairs.resize(out->seams.size());
     out->find_shifts();
     return out;

@@ -102,8 +102,8 @@ void SeamNode::solve(const Params& stated, Ports& io, Context& context, const Fi
         // Before the search, which may take long.
         for (const auto& warning : gathered_.warnings()) context.warn_at_once(warning);
         if (finest > 1 && !params.finest) context.warn_at_once(half_size_note(space));
-        auto [energy, thick] = gathered_.take(params, space, context.limits());
-        if (thick) empty.thickness = thick->thickness * finest;
+        auto [energy, thick, thickness] = gathered_.take(params, space, context.limits());
+        empty.thickness = thickness;
         // Seams of full size do not tell the seams of half size that they came from.
         if (finest > 1) before_ = {};
         // An unfinished larger set may hold more pairs than are wanted.

@@ -15,7 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A running search: the pairs found, its progress, and the time of the last Context::hold.
+/// A running search: its progress, and the time of the last Context::hold.
 class TaskSearch {
 public:
     TaskSearch(EnergyVolume& energy, const SearchSetup& setup, const Context& context)
@@ -25,17 +25,16 @@ public:
           parts_(energy, setup.task, setup.space, setup.find, context.limits()) {}
 
     ReportedSeams run() {
-        // The pair window comes first: seams there do not move the window below.
-        if (task_.pairs) pairs_ = find(*task_.pairs);
-        if (pairs_.no_more) count_ = pairs_.no_more->found;
-        const auto found = find(task_.seams);
-        auto out = whole(found);
+        const auto [pairs, found] =
+            find_parts(task_, [&](const SeamTask::Part& part, int count, const FoundSeams& before) {
+                return find(part, count, before);
+            });
+        auto out = whole(found, pairs);
         if (static_cast<int>(found.seams.size()) == task_.count) return out;
-        // Drops second seams whose first seam was not found.
         out = out.first(found.seams.size());
         const auto& part = found.no_more ? task_.seams : *task_.pairs;
         set_shortfall(out.report, static_cast<std::size_t>(task_.asked),
-                      where_no_more(found.no_more ? *found.no_more : *pairs_.no_more, task_, part,
+                      where_no_more(found.no_more ? *found.no_more : *pairs.no_more, task_, part,
                                     setup_.space));
         return out;
     }
@@ -54,7 +53,8 @@ private:
         return all > 0 ? static_cast<double>(left(part.pair)) / all : 0;
     }
 
-    FoundSeams find(const SeamTask::Part& part) {
+    /// @param pairs  found before
+    FoundSeams find(const SeamTask::Part& part, int count, const FoundSeams& pairs) {
         const double share = share_of(part);
         const auto tick = [&](double fraction) {
             context_.check_cancelled();
@@ -66,7 +66,8 @@ private:
         options.start_from = setup_.start_from;
         options.found = [&](const FoundSeams& now) {
             // After the last seam, the whole set is delivered anyway.
-            if (part.pair || now.seams.size() < static_cast<std::size_t>(count_)) hold(now, part);
+            if (part.pair || now.seams.size() < static_cast<std::size_t>(count))
+                hold(now, part, pairs);
         };
         options.best_effort = setup_.best_effort;
         options.thick = setup_.thick;
@@ -74,15 +75,15 @@ private:
                           [&] { context_.check_cancelled(); },
                           {parts_.memory(), context_.limits().folder});
         options.bounds = &bounds;
-        auto out = parts_(part, count_, tick, std::move(options));
+        auto out = parts_(part, count, tick, std::move(options));
         done_ += share;
         return out;
     }
 
     /// Delivers the seams found so far as a complete set.
-    void hold(const FoundSeams& now, const SeamTask::Part& part) {
+    void hold(const FoundSeams& now, const SeamTask::Part& part, const FoundSeams& pairs) {
         if (Clock::now() - held_ < setup_.hold_after) return;
-        const auto so_far = part.pair ? only_pairs(now) : whole(now);
+        const auto so_far = part.pair ? only_pairs(now) : whole(now, pairs);
         context_.report("seams", so_far.report);
         context_.hold(Payload(so_far.seams));
         held_ = Clock::now();
@@ -102,17 +103,17 @@ private:
     }
 
     /// The set with all its pairs.
-    ReportedSeams whole(const FoundSeams& found) const {
+    ReportedSeams whole(const FoundSeams& found, const FoundSeams& pairs) const {
         auto set = std::make_shared<Seams>(setup_.empty);
         set->seams = found.seams;
-        set->pairs = pairs_.seams;
+        set->pairs = pairs.seams;
         set->find_shifts();
         auto report = empty_report(*set);
         if (task_.finest > 1) report["finest"] = task_.finest;
         if (set->thick()) report["thickness"] = set->thickness;
         describe_seams(found, "", setup_.marks, report);
-        if (task_.pairs) describe_seams(pairs_, "pair_", setup_.marks, report);
-        report["wall_s"] = wall_seconds(setup_.before.report, pairs_, found);
+        if (task_.pairs) describe_seams(pairs, "pair_", setup_.marks, report);
+        report["wall_s"] = wall_seconds(setup_.before.report, pairs, found);
         return {std::move(set), std::move(report)};
     }
 
@@ -120,8 +121,6 @@ private:
     const SearchSetup& setup_;
     const Context& context_;
     const PartFinder parts_;
-    int count_ = task_.count;  ///< number of seams to find; after the pairs, the number of pairs
-    FoundSeams pairs_;
     double done_ = 0;  ///< share of the work, 0 to 1
     Clock::time_point held_ = Clock::now();
 };

@@ -249,9 +249,10 @@ std::optional<Thick> GatheredEnergy::thick_for(const SolverParams& params,
 GatheredEnergy::Searched GatheredEnergy::take(const SolverParams& params, const CarvedSpace& space,
                                               const Limits& limits) {
     auto taken = take_unpriced(params, space, limits);
-    Searched out{std::move(taken.energy), std::nullopt};
+    Searched out{std::move(taken.energy), std::nullopt, 1};
     out.thick = thick_for(params, out.energy);
     if (out.thick) {
+        out.thickness = out.thick->thickness * finest_;
         out.energy.set_spread(0);
     } else {
         set_prices(out.energy, taken.typical, prices_of(params, has_field_));

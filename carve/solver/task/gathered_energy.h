@@ -60,6 +60,7 @@ public:
         EnergyVolume energy;  ///< with the prices of thin seams; thick ones have prices of their
                               ///< own
         std::optional<Thick> thick;  ///< nothing: thin
+        int thickness = 1;           ///< of the seams at full size, as Seams::thickness
     };
     /// Hands over the energies and fields of all frames, brought into a space. Prices are measured
     /// before the frames are carved. Call it once, after the last frame, if seams are wanted.

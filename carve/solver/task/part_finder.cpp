@@ -42,4 +42,17 @@ FoundSeams PartFinder::operator()(const SeamTask::Part& part, int count, const T
     }
 }
 
+FoundParts find_parts(const SeamTask& task,
+                      const std::function<FoundSeams(const SeamTask::Part& part, int count,
+                                                     const FoundSeams& pairs)>& find) {
+    FoundParts out;
+    int count = task.count;
+    if (task.pairs) {
+        out.pairs = find(*task.pairs, count, {});
+        count = static_cast<int>(out.pairs.seams.size());
+    }
+    out.seams = find(task.seams, count, out.pairs);
+    return out;
+}
+
 }  // namespace fluidcarve

@@ -7,6 +7,7 @@
 #include "carve/solver/task/task.h"
 
 #include <cstdint>
+#include <functional>
 
 namespace fluidcarve {
 
@@ -37,5 +38,17 @@ private:
     const std::uint64_t taken_;  ///< bytes of energies and seams
     const bool fits_;
 };
+
+/// What was found in the windows of a task. If there are more second seams than first ones, those
+/// without a first seam are to be dropped.
+struct FoundParts {
+    FoundSeams pairs, seams;
+};
+/// Finds the seams of all windows of a task. The pair window comes first: seams there do not move
+/// the window below. Then there are no more seams to find than pairs were found.
+/// @param find  finds `count` seams of a part; `pairs` are those found before
+FoundParts find_parts(const SeamTask& task,
+                      const std::function<FoundSeams(const SeamTask::Part& part, int count,
+                                                     const FoundSeams& pairs)>& find);
 
 }  // namespace fluidcarve
