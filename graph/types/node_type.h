@@ -21,6 +21,7 @@
 #include <string_view>
 #include <type_traits>
 #include <typeindex>
+#include <utility>
 #include <vector>
 
 namespace fluidcarve {
@@ -95,45 +96,17 @@ public:
         type_.doc = std::move(doc);
         type_.make_params = [] { return std::make_shared<Params>(); };
         type_.per_frame_outputs = has_run;
-        type_.gathers = [](const void* params) {
-            if constexpr (!has_add) return (void)params, false;
-            else if constexpr (detail::has_gathers<Node>)
-                return Node::gathers(*static_cast<const Params*>(params));
-            else return (void)params, true;
-        };
-        if constexpr (detail::has_wants<Node>)
-            type_.wants = [](const void* params, const Context& context) {
-                return Node::wants(*static_cast<const Params*>(params), context);
-            };
-        if constexpr (detail::has_animates<Node>)
-            type_.animates = [](const void* params) {
-                return Node::animates(*static_cast<const Params*>(params));
-            };
-        if constexpr (detail::has_retimes<Node>)
-            type_.retimes = [](const void* params, const std::vector<int>& frames) {
-                return Node::retimes(*static_cast<const Params*>(params), frames);
-            };
-        if constexpr (detail::has_check<Node>)
-            type_.check = [](const void* params, NodeCheck& check) {
-                Node::check(*static_cast<const Params*>(params), check);
-            };
-        if constexpr (detail::has_survey<Node>)
-            type_.survey = [](const void* params, Survey& survey) {
-                Node::survey(*static_cast<const Params*>(params), survey);
-            };
-        if constexpr (detail::has_foresee<Node>)
-            type_.foresee = [](const void* params, Outlook& ahead) {
-                Node::foresee(*static_cast<const Params*>(params), ahead);
-            };
-        if constexpr (detail::has_conclude<Node>)
-            type_.conclude = [](const void* params, const nlohmann::ordered_json& frames,
-                                Context& context) {
-                Node::conclude(*static_cast<const Params*>(params), frames, context);
-            };
-        if constexpr (detail::has_depends<Node>)
-            type_.depends = [](const void* params) {
-                return Node::depends(*static_cast<const Params*>(params));
-            };
+        if constexpr (has_add && detail::has_gathers<Node>)
+            type_.gathers = on_params(&Node::gathers);
+        else type_.gathers = [](const void*) { return has_add; };
+        if constexpr (detail::has_wants<Node>) type_.wants = on_params(&Node::wants);
+        if constexpr (detail::has_animates<Node>) type_.animates = on_params(&Node::animates);
+        if constexpr (detail::has_retimes<Node>) type_.retimes = on_params(&Node::retimes);
+        if constexpr (detail::has_check<Node>) type_.check = on_params(&Node::check);
+        if constexpr (detail::has_survey<Node>) type_.survey = on_params(&Node::survey);
+        if constexpr (detail::has_foresee<Node>) type_.foresee = on_params(&Node::foresee);
+        if constexpr (detail::has_conclude<Node>) type_.conclude = on_params(&Node::conclude);
+        if constexpr (detail::has_depends<Node>) type_.depends = on_params(&Node::depends);
         type_.bind = &bind;
     }
 
@@ -323,6 +296,15 @@ private:
                                                            const Ports& ports, Context& context) {
         node.add(params, ports, context);
     };
+    /// A static hook of a node, for a NodeType: its parameters have no type.
+    template <class R, class P, class... A>
+    requires std::derived_from<Params, P>
+    static std::function<R(const void*, A...)> on_params(R (*hook)(const P&, A...)) {
+        return [hook](const void* params, A... rest) -> R {
+            return hook(*static_cast<const Params*>(params), std::forward<A>(rest)...);
+        };
+    }
+
     static_assert(has_run || has_add, "a node needs run, or add and finish");
     // Without these checks, a hook with a wrong signature would be ignored.
     static_assert(has_run || !detail::has_run<Node>,
@@ -342,53 +324,41 @@ private:
         "entry)`");
     static_assert(
         !detail::has_gathers<Node> ||
-            requires(const Params& params) {
-                { Node::gathers(params) } -> std::same_as<bool>;
-            },
+            requires(NodeType type) { type.gathers = on_params(&Node::gathers); },
         "`gathers` must be `static bool gathers(const Params&)`");
     static_assert(
         !detail::has_wants<Node> ||
-            requires(const Params& params, const Context& context) {
-                { Node::wants(params, context) } -> std::same_as<bool>;
-            },
+            requires(NodeType type) { type.wants = on_params(&Node::wants); },
         "`wants` must be `static bool wants(const Params&, const Context&)`");
     static_assert(
         !detail::has_animates<Node> ||
-            requires(const Params& params) {
-                { Node::animates(params) } -> std::same_as<bool>;
-            },
+            requires(NodeType type) { type.animates = on_params(&Node::animates); },
         "`animates` must be `static bool animates(const Params&)`");
     static_assert(
         !detail::has_retimes<Node> ||
-            requires(const Params& params, const std::vector<int>& frames) {
-                { Node::retimes(params, frames) } -> std::same_as<std::vector<int>>;
-            },
+            requires(NodeType type) { type.retimes = on_params(&Node::retimes); },
         "`retimes` must be `static std::vector<int> retimes(const Params&, const "
         "std::vector<int>&)`");
     static_assert(
         !detail::has_check<Node> ||
-            requires(const Params& params, NodeCheck& check) { Node::check(params, check); },
+            requires(NodeType type) { type.check = on_params(&Node::check); },
         "`check` must be `static void check(const Params&, NodeCheck&)`");
     static_assert(
         !detail::has_survey<Node> ||
-            requires(const Params& params, Survey& survey) { Node::survey(params, survey); },
+            requires(NodeType type) { type.survey = on_params(&Node::survey); },
         "`survey` must be `static void survey(const Params&, Survey&)`");
     static_assert(
         !detail::has_foresee<Node> ||
-            requires(const Params& params, Outlook& ahead) { Node::foresee(params, ahead); },
+            requires(NodeType type) { type.foresee = on_params(&Node::foresee); },
         "`foresee` must be `static void foresee(const Params&, Outlook&)`");
     static_assert(
         !detail::has_conclude<Node> ||
-            requires(const Params& params, const nlohmann::ordered_json& frames, Context& context) {
-                Node::conclude(params, frames, context);
-            },
+            requires(NodeType type) { type.conclude = on_params(&Node::conclude); },
         "`conclude` must be `static void conclude(const Params&, const nlohmann::ordered_json& "
         "frames, Context&)`");
     static_assert(
         !detail::has_depends<Node> ||
-            requires(const Params& params) {
-                { Node::depends(params) } -> std::same_as<FurtherDependencies>;
-            },
+            requires(NodeType type) { type.depends = on_params(&Node::depends); },
         "`depends` must be `static FurtherDependencies depends(const Params&)`");
 
     template <class T, class P>
