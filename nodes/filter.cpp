@@ -69,7 +69,7 @@ NodeType filter_seam() {
         .output("volume", &FilterSeam::Ports::volume,
                 "The source, with filtered values at the active voxels of cells that a seam "
                 "divides. All other voxels are bit for bit the same.")
-        .names_as("volume", "source");
+        .names_from("source");
 }
 
 }  // namespace fluidcarve

@@ -52,7 +52,7 @@ NodeType grid_crop() {
                 "The same grids. Voxels whose centres lie outside have the background and are "
                 "inactive; of turned voxels, the box around the box along their axes counts. "
                 "Points stay.")
-        .names_as("volume", "source");
+        .names_from("source");
 }
 
 namespace {
@@ -87,7 +87,7 @@ NodeType grid_pick() {
         .param("drop", &PickGrids::Params::drop,
                "Names or patterns of the grids to leave out, instead of `keep`.")
         .output("volume", &PickGrids::Ports::volume, "The grids that are left, in their order.")
-        .names_as("volume", "source");
+        .names_from("source");
 }
 
 namespace {
@@ -119,7 +119,7 @@ NodeType grid_prune() {
                "Values of less, or vectors of less length, become background and inactive. auto "
                "takes nothing out. Level sets are left out.")
         .output("volume", &Prune::Ports::volume, "The same grids. Points stay.")
-        .names_as("volume", "source");
+        .names_from("source");
 }
 
 namespace {
@@ -161,7 +161,7 @@ NodeType grid_resample() {
                 "The same grids. Floats and vectors are read linearly, whole numbers and states "
                 "from the nearest voxel; level sets keep their narrow band. Staggered vectors "
                 "become collocated. Points stay.")
-        .names_as("volume", "source");
+        .names_from("source");
 }
 
 }  // namespace fluidcarve

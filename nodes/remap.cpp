@@ -162,7 +162,7 @@ NodeType remap_grids() {
             .output("volume", &RemapGrids::Ports::volume,
                     "The carved source: same grids, transforms and metadata. The report tells what "
                     "the carve did to each float grid, unless frames were carved.")
-            .names_as("volume", "source")
+            .names_from("source")
             .learns("seams", &RemapNode::Params::in_time)
             .concludes(grids_by_frame)
             .version(4));

@@ -334,7 +334,7 @@ NodeType time_loop() {
                 "The same grids. Frames before the fade stay bit for bit. Points go over one "
                 "by one, by their `id` if they have one. Whole numbers and masks are those of the "
                 "nearer side.")
-        .names_as("volume", "source")
+        .names_from("source")
         .version(5);
 }
 

@@ -169,7 +169,7 @@ NodeType time_retime() {
             "are those of the nearer frame.")
         .kind<Points>("source", "time.retime_points")
         .kind<Mesh>("source", "time.retime_mesh")
-        .names_as("volume", "source")
+        .names_from("source")
         .version(4)
         .kept();
 }

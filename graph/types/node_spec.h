@@ -150,8 +150,8 @@ struct NodeType {
         std::string type;
     };
     std::vector<Kind> kinds;
-    /// Output to the input that has grids of the same names.
-    std::map<std::string, std::string, std::less<>> as_named;
+    /// The input with grids of the same names as the first output; empty: none.
+    std::string names_from;
 
     std::function<std::shared_ptr<void>()> make_params;
     std::function<bool(const void* params)> gathers;

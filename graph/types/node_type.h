@@ -237,9 +237,9 @@ public:
         type_.runs_code = true;
         return *this;
     }
-    /// Declares that an output is a volume with grids of the same names as an input's.
-    Declare& names_as(std::string output, std::string input) {
-        type_.as_named.emplace(std::move(output), std::move(input));
+    /// Declares that the first output is a volume with grids of the same names as an input's.
+    Declare& names_from(std::string input) {
+        type_.names_from = std::move(input);
         return *this;
     }
 

@@ -9,7 +9,7 @@ namespace fluidcarve {
 /// Version of the binary interface between plugins and the program: the two symbols below, and the
 /// headers of graph/. Raise it whenever a type there changes its layout or a function its meaning.
 /// Plugins of another version are refused.
-inline constexpr int plugin_abi = 9;
+inline constexpr int plugin_abi = 10;
 
 /// The same for the headers of nodes/. Raise it whenever Volume, Lattice, Seams, Rig, Points, Mesh,
 /// SeamNode or a type inside them changes its layout.

@@ -54,9 +54,12 @@ void Registry::add(NodeType type) {
         take(output.name, output.doc);
         payload(output.type);
     }
-    for (const auto& [output, input] : type.as_named)
+    if (const auto& input = type.names_from; !input.empty()) {
         if (!type.input(input))
-            refuse(fmt::format("it has no input '{}' whose grids '{}' could have", input, output));
+            refuse(fmt::format("it has no input '{}' whose grids could name others", input));
+        if (type.outputs.empty())
+            refuse(fmt::format("it has no output whose grids '{}' could name", input));
+    }
     for (const auto& kind : type.kinds)
         if (!type.input(kind.input))
             refuse(

@@ -41,9 +41,8 @@ const SurveyedFacts* CarriedFacts::receives(std::size_t node, int frame,
 
 std::string CarriedFacts::carry(std::size_t n, int frame) {
     const auto& node = pipeline_.nodes[n];
-    for (const auto& [output, input] : node.type->as_named)
-        if (const auto* const from = receives(n, frame, input))
-            deliver(n, frame, output, {from->grids, std::nullopt});
+    if (const auto* const from = receives(n, frame, node.type->names_from))
+        deliver(n, frame, node.outputs.front().name, {from->grids, std::nullopt});
     if (!node.type->in_place) return {};
 
     const KnownFact* first = nullptr;

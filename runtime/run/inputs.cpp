@@ -122,17 +122,14 @@ void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<
 }
 
 /// The node whose first output has the parts of a link's payload, by name: follows nodes whose
-/// volumes have the grids of an input (Declare::names_as) upstream. Nothing if it arrives at an
+/// volumes have the grids of an input (Declare::names_from) upstream. Nothing if it arrives at an
 /// output that is only a part itself.
 std::optional<std::size_t> source_of(const Pipeline& pipeline, Link link) {
     while (link.output == 0) {
         const auto& node = pipeline.nodes[link.node];
-        const auto named = node.outputs.empty()
-                               ? node.type->as_named.end()
-                               : node.type->as_named.find(node.outputs.front().name);
-        if (named == node.type->as_named.end()) return link.node;
-        const auto input =
-            static_cast<std::size_t>(node.type->input(named->second) - node.type->inputs.data());
+        const auto* const named = node.type->input(node.type->names_from);
+        if (!named) return link.node;
+        const auto input = static_cast<std::size_t>(named - node.type->inputs.data());
         if (node.inputs[input].empty() || !node.inputs[input].front().part.empty()) break;
         link = node.inputs[input].front();
     }

@@ -48,10 +48,10 @@ nodes:
 
     auto type = *registry.node("toy.add");
     type.name = "toy.passing";
-    type.as_named = {{"sum", "numbre"}};
+    type.names_from = "numbre";
     CHECK_THROWS_WITH(
         registry.add(type),
-        "node type 'toy.passing': it has no input 'numbre' whose grids 'sum' could have");
+        "node type 'toy.passing': it has no input 'numbre' whose grids could name others");
 }
 
 TEST_CASE("check warns of a node whose outputs no node takes, if another one writes") {

@@ -94,5 +94,5 @@ TEST_CASE("a reader finds in its headers what other nodes take of its volume") {
           path + " has the grid 'vel' as vec3s, but 'slope' takes carved.vel as float");
     CHECK(told("density", typeid(VectorGrid)) ==
           path + " has the grid 'density' as float, but 'slope' takes carved.density as vec3s");
-    CHECK(remap_grids().as_named.at("volume") == "source");
+    CHECK(remap_grids().names_from == "source");
 }

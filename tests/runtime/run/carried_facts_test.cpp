@@ -41,7 +41,7 @@ struct PlanBench {
         registry.add(NodeType(Declare<Hand>("toy.hand", "Hands on a number.")
                                   .input("number", &Hand::Ports::number, "The number.")
                                   .output("same", &Hand::Ports::same, "The same.")
-                                  .names_as("same", "number")));
+                                  .names_from("number")));
         const Scratch scratch;
         Problems problems;
         pipeline = build_pipeline(
