@@ -1,4 +1,4 @@
-#include "graph/timelines.h"
+#include "graph/infer_timelines.h"
 
 #include "carve/base/frame_set.h"
 
