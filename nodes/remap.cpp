@@ -11,7 +11,6 @@
 #include "carve/remap/joining.h"
 #include "carve/seam/carve_map.h"
 #include "graph/types/node_type.h"
-#include "nodes/params/join_params.h"
 #include "nodes/params/remap_node.h"
 #include "nodes/result/carve_result.h"
 #include "nodes/solving/foreseen.h"
@@ -45,10 +44,6 @@ struct ChoiceNames<Conserve> {
 };
 
 namespace {
-
-constexpr auto count_doc =
-    "Number of seams to carve, from the first on. If there are several sets, it counts in the last "
-    "one. The sign may be left out. auto is all. A warp is carved as a whole: leave `count` out.";
 
 struct RemapGrids : RemapNode {
     struct Params : RemapNode::Params {
@@ -116,56 +111,40 @@ struct RemapGrids : RemapNode {
 }  // namespace
 
 NodeType remap_grids() {
-    return declare_join(
-        Declare<RemapGrids>("remap.grids",
-                            "Carves seams from the grids of a volume, or inserts them: all at "
-                            "once, from the untouched input.")
-            .input("source", &RemapGrids::Ports::source, "The volume to carve, or one grid.")
-            .input("lattice", &RemapGrids::Ports::lattice,
-                   "The lattice in which the seams were found.")
-            .input(
-                "seams", &RemapGrids::Ports::seams,
-                "Seams or a warp, or a list of them in the order of carving. Or one set of seams "
-                "of frames (`axis: t` of its solver): then the sequence gets shorter or longer, "
-                "and what follows this node has the new frames. Of the parameters, only "
-                "`count`, `join`, `fade`, in frames, and `transform_vectors` then matter. With "
-                "`join: cut` all is bit "
-                "for bit that of a frame of the source. Points go over one by one.")
-            .param("count", &RemapGrids::Params::count, Unit::seams, any_number(), count_doc)
-            .param("interpolation", &RemapGrids::Params::interpolation,
-                   "How values are read between voxels, if the lattice's vertices are not voxels.")
-            .param("renormalize", &RemapGrids::Params::renormalize,
-                   "Whether level sets (float or double, class level set) become distances again "
-                   "where they moved, with a new narrow band there; where space was squeezed, they "
-                   "are smoothed as much. auto: if their voxels are cubes, and their background is "
-                   "above 0.")
-            .param("conserve", &RemapGrids::Params::conserve,
-                   "mass: the grids named in `densities` become denser where space is compressed "
-                   "and thinner where it is stretched, so that their sum stays. A seam's share is "
-                   "spread over as many voxels on both sides as there are seams.")
-            .param("densities", &RemapGrids::Params::densities,
-                   "For `conserve`: float or double grids that hold amounts per volume, such as "
-                   "density and fuel, but not temperature.")
-            .param("transform_vectors", &RemapNode::Params::transform_vectors,
-                   "Whether vectors turn and stretch with the space around them, as the velocities "
-                   "of a carved flow do. This applies to all grids of float vectors, also those in "
-                   "three parts, and to the velocities of points. If frames are carved, it "
-                   "multiplies them by how fast time goes, for motion blur. Carve colours by a "
-                   "node of their own.")
-            .param("rim", &RemapGrids::Params::rim,
-                   "How the carve ends at the lattice's rims beside the carved axis (the rims "
-                   "along v if u is carved) and at open ends. cut: it stops there; content that "
-                   "crosses the rim may tear, and a warning says so. fade: displacements go "
-                   "linearly to 0 towards the rim, and so does what a seam takes or adds.")
-            .param("rim_fade", &RemapGrids::Params::rim_fade, Unit::vertices, between(1, 10000),
-                   rim_fade_doc)
-            .output("volume", &RemapGrids::Ports::volume,
-                    "The carved source: same grids, transforms and metadata. The report tells what "
-                    "the carve did to each float grid, unless frames were carved.")
-            .names_from("source")
-            .learns("seams", &RemapNode::Params::in_time)
-            .concludes(grids_by_frame)
-            .version(4));
+    using Params = RemapGrids::Params;
+    using Ports = RemapGrids::Ports;
+    return declare_remap(
+               Declare<RemapGrids>("remap.grids",
+                                   "Carves seams from the grids of a volume, or inserts them: all "
+                                   "at once, from the untouched input.")
+                   .input("source", &Ports::source, "The volume to carve, or one grid."))
+        .param("interpolation", &Params::interpolation,
+               "How values are read between voxels, if the lattice's vertices are not voxels.")
+        .param("renormalize", &Params::renormalize,
+               "Whether level sets (float or double, class level set) become distances again "
+               "where they moved, with a new narrow band there; where space was squeezed, they "
+               "are smoothed as much. auto: if their voxels are cubes, and their background is "
+               "above 0.")
+        .param("conserve", &Params::conserve,
+               "mass: the grids named in `densities` become denser where space is compressed "
+               "and thinner where it is stretched, so that their sum stays. A seam's share is "
+               "spread over as many voxels on both sides as there are seams.")
+        .param("densities", &Params::densities,
+               "For `conserve`: float or double grids that hold amounts per volume, such as "
+               "density and fuel, but not temperature.")
+        .param("transform_vectors", &RemapNode::Params::transform_vectors,
+               "Whether vectors turn and stretch with the space around them, as the velocities "
+               "of a carved flow do. This applies to all grids of float vectors, also those in "
+               "three parts, and to the velocities of points. If frames are carved, it "
+               "multiplies them by how fast time goes, for motion blur. Carve colours by a "
+               "node of their own.")
+        .output("volume", &Ports::volume,
+                "The carved source: same grids, transforms and metadata. The report tells what "
+                "the carve did to each float grid, unless frames were carved. Points of carved "
+                "frames go over one by one.")
+        .names_from("source")
+        .concludes(grids_by_frame)
+        .version(4);
 }
 
 namespace {
@@ -234,33 +213,25 @@ private:
 NodeType remap_mesh() {
     using Params = RemapMesh::Params;
     using Ports = RemapMesh::Ports;
-    return declare_join(
-        Declare<RemapMesh>("remap.mesh",
-                           "Carves a mesh as remap.grids carves volumes. Its vertices move with "
-                           "the space around them; faces, UVs and everything else stay.")
-            .input("source", &Ports::source,
-                   "The mesh. A mesh that is the same in all frames becomes one per frame, since "
-                   "seams move (see `static`); seams of frames can't carve it. Where a seam is "
-                   "removed, the mesh is compressed; "
-                   "where one is inserted, it is stretched. Normals of the file stay as they are.")
-            .input("lattice", &Ports::lattice, "The lattice in which the seams were found.")
-            .input(
-                "seams", &Ports::seams,
-                "Seams or a warp, or a list of them in the order of carving. Or one set of seams "
-                "of frames (`axis: t`), as in remap.grids: vertices then go from frame to frame "
-                "if the faces stay the same.")
-            .param("count", &Params::count, Unit::seams, any_number(), count_doc)
-            .param("rim", &Params::rim, "As in remap.grids; use the same value for both.")
-            .param("rim_fade", &Params::rim_fade, Unit::vertices, between(1, 10000), rim_fade_doc)
-            .param("static", &Params::static_,
-                   "Whether a mesh that is one file for all frames stays one file. Seams must then "
-                   "move it the same way in all frames; otherwise the node fails. They do so if "
-                   "they are the same in all frames, as in windows with `static: true`, or if they "
-                   "never pass through the mesh: `protect` its voxels (mask.mesh).")
-            .output("mesh", &Ports::mesh,
-                    "The carved source. Vertices outside the lattice, or where nothing moves, are "
-                    "the same to the last bit.")
-            .learns("seams", &RemapNode::Params::in_time));
+    return declare_remap(
+               Declare<RemapMesh>("remap.mesh",
+                                  "Carves a mesh as remap.grids carves volumes. Its vertices move "
+                                  "with the space around them; faces, UVs and everything else "
+                                  "stay.")
+                   .input("source", &Ports::source,
+                          "The mesh. A mesh that is the same in all frames becomes one per frame, "
+                          "since seams move (see `static`); seams of frames can't carve it. Where "
+                          "a seam is removed, the mesh is compressed; where one is inserted, it is "
+                          "stretched. Normals of the file stay as they are."))
+        .param("static", &Params::static_,
+               "Whether a mesh that is one file for all frames stays one file. Seams must then "
+               "move it the same way in all frames; otherwise the node fails. They do so if "
+               "they are the same in all frames, as in windows with `static: true`, or if they "
+               "never pass through the mesh: `protect` its voxels (mask.mesh).")
+        .output("mesh", &Ports::mesh,
+                "The carved source. Vertices outside the lattice, or where nothing moves, are "
+                "the same to the last bit. If frames are carved, vertices go from frame to frame "
+                "if the faces stay the same.");
 }
 
 namespace {
@@ -319,38 +290,30 @@ private:
 }  // namespace
 
 NodeType remap_points() {
-    return declare_join(
-        Declare<RemapPoints>(
-            "remap.points",
-            "Carves seams from points, or inserts them. Particles move; those that a removed seam "
-            "takes are deleted, and those where a seam is inserted are doubled.")
-            .input("source", &RemapPoints::Ports::source, "The points to carve.")
-            .input("lattice", &RemapPoints::Ports::lattice,
-                   "The lattice in which the seams were found. Points outside it stay bit for bit, "
-                   "unless frames are carved: then they go over with most of the others.")
-            .input("seams", &RemapPoints::Ports::seams,
-                   "Seams or a warp, or a list of them in the order of carving. Or one set of "
-                   "seams of frames, as in remap.grids: particles then go along their velocities, "
-                   "by their `id` if they have one.")
-            .param("count", &RemapPoints::Params::count, Unit::seams, any_number(), count_doc)
-            .param("rim", &RemapPoints::Params::rim,
-                   "How the carve ends at the lattice's rims, as in remap.grids; use the same "
-                   "value for both.")
-            .param("rim_fade", &RemapPoints::Params::rim_fade, Unit::vertices, between(1, 10000),
-                   rim_fade_doc)
-            .param("jitter", &RemapPoints::Params::jitter, Unit::vertices, between(0, 0.5),
-                   "Where seams are inserted, a copy stands one vertex from its original, plus a "
-                   "random offset of up to this size along each axis. The offset is always the "
-                   "same for the same point. It stays the same from frame to frame if points have "
-                   "a whole number `id`; without one, set 0 if copies must not tremble.")
-            .param("transform_vectors", &RemapNode::Params::transform_vectors,
-                   "Whether the velocities of points (v, vel, velocity, or what else ends so) turn "
-                   "and stretch with the space around them, and with time, as in remap.grids.")
-            .output("points", &RemapPoints::Ports::points,
-                    "The carved source, with all attributes and groups. The report's section "
-                    "`points` tells how many were moved, deleted and copied in each frame, unless "
-                    "frames were carved.")
-            .learns("seams", &RemapNode::Params::in_time));
+    using Params = RemapPoints::Params;
+    using Ports = RemapPoints::Ports;
+    return declare_remap(
+               Declare<RemapPoints>("remap.points",
+                                    "Carves seams from points, or inserts them. Particles move; "
+                                    "those that a removed seam takes are deleted, and those where "
+                                    "a seam is inserted are doubled.")
+                   .input(
+                       "source", &Ports::source,
+                       "The points to carve. Those outside the lattice stay bit for bit. If "
+                       "frames are carved, points go along their velocities, by their `id` if they "
+                       "have one; those outside the lattice go over with most of the others."))
+        .param("jitter", &Params::jitter, Unit::vertices, between(0, 0.5),
+               "Where seams are inserted, a copy stands one vertex from its original, plus a "
+               "random offset of up to this size along each axis. The offset is always the "
+               "same for the same point. It stays the same from frame to frame if points have "
+               "a whole number `id`; without one, set 0 if copies must not tremble.")
+        .param("transform_vectors", &RemapNode::Params::transform_vectors,
+               "Whether the velocities of points (v, vel, velocity, or what else ends so) turn "
+               "and stretch with the space around them, and with time, as in remap.grids.")
+        .output("points", &Ports::points,
+                "The carved source, with all attributes and groups. The report's section "
+                "`points` tells how many were moved, deleted and copied in each frame, unless "
+                "frames were carved.");
 }
 
 }  // namespace fluidcarve
