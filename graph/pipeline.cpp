@@ -1,5 +1,7 @@
 #include "graph/pipeline.h"
 
+#include "carve/base/find_or_null.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -53,9 +55,7 @@ std::string to_text(Rate rate) {
 }
 
 const Node* Pipeline::find(std::string_view name) const {
-    const auto found = std::find_if(nodes.begin(), nodes.end(),
-                                    [&](const Node& node) { return node.name == name; });
-    return found == nodes.end() ? nullptr : &*found;
+    return find_or_null(nodes, name, &Node::name);
 }
 
 std::vector<std::string> Pipeline::node_names() const {

@@ -1,5 +1,6 @@
 #include "graph/provenance.h"
 
+#include "carve/base/find_or_null.h"
 #include "graph/text/shell_word.h"
 #include "graph/text/yaml_text.h"
 
@@ -66,10 +67,8 @@ public:
 
     /// The param that a value is as a whole, or null.
     const Value::Field* param_at(const Mark& mark) const {
-        const auto found = std::ranges::find_if(
-            document_.params.fields,
-            [&](const Value::Field& param) { return param.value.mark == mark; });
-        return found == document_.params.fields.end() ? nullptr : &*found;
+        return find_or_null(document_.params.fields, mark,
+                            [](const Value::Field& param) { return param.value.mark; });
     }
 
 private:

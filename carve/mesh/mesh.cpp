@@ -1,5 +1,7 @@
 #include "carve/mesh/mesh.h"
 
+#include "carve/base/find_or_null.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -8,10 +10,7 @@ namespace fluidcarve {
 using openvdb::Vec3d;
 
 const Mesh::Attribute* Mesh::find(const std::string& name) const {
-    const auto found =
-        std::find_if(attributes.begin(), attributes.end(),
-                     [&](const Attribute& attribute) { return attribute.name == name; });
-    return found == attributes.end() ? nullptr : &*found;
+    return find_or_null(attributes, name, &Attribute::name);
 }
 
 Mesh placed(Mesh mesh, const Placement& placement) {

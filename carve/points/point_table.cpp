@@ -1,17 +1,15 @@
 #include "carve/points/point_table.h"
 
+#include "carve/base/find_or_null.h"
 #include "carve/base/whole.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 
 namespace fluidcarve {
 
 const PointTable::Column* PointTable::column(std::string_view name) const {
-    const auto found = std::find_if(columns.begin(), columns.end(),
-                                    [&](const Column& each) { return each.name == name; });
-    return found == columns.end() ? nullptr : &*found;
+    return find_or_null(columns, name, &Column::name);
 }
 
 double PointTable::number(const Column& column, std::size_t row) {

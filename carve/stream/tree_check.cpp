@@ -1,5 +1,6 @@
 #include "carve/stream/tree_check.h"
 
+#include "carve/base/find_or_null.h"
 #include "carve/stream/point_check.h"
 #include "carve/stream/tree_bytes.h"
 
@@ -185,9 +186,7 @@ const KnownTree* known_tree(const std::string& type) {
         {openvdb::BoolTree::treeType(), Leaves::bools, 1, 1},
         {openvdb::MaskTree::treeType(), Leaves::masks, 1, 1},
         {"Tree_ptdataidx32_5_4_3", Leaves::point_data, 4, 4}};
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.type == type; });
-    return found == all.end() ? nullptr : &*found;
+    return find_or_null(all, type, &KnownTree::type);
 }
 
 }  // namespace

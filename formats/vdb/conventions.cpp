@@ -1,5 +1,6 @@
 #include "formats/vdb/conventions.h"
 
+#include "carve/base/find_or_null.h"
 #include "carve/volume/triplet.h"
 
 #include <algorithm>
@@ -75,10 +76,7 @@ std::span<const Conventions> all_conventions() {
 }  // namespace
 
 const Conventions* conventions_of(std::string_view name) {
-    const auto all = all_conventions();
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.name == name; });
-    return found == all.end() ? nullptr : &*found;
+    return find_or_null(all_conventions(), name, &Conventions::name);
 }
 
 const Conventions* detected_conventions(const VdbHeader& header) {

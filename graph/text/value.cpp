@@ -1,8 +1,9 @@
 #include "graph/text/value.h"
 
+#include "carve/base/find_or_null.h"
+
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <utility>
 
 namespace fluidcarve {
@@ -21,9 +22,7 @@ std::string shown(const std::string& text) {
 }  // namespace
 
 const Value::Field* Value::find(std::string_view name) const {
-    const auto found = std::find_if(fields.begin(), fields.end(),
-                                    [&](const Field& field) { return field.name == name; });
-    return found == fields.end() ? nullptr : &*found;
+    return find_or_null(fields, name, &Field::name);
 }
 
 Value::Field* Value::find(std::string_view name) {

@@ -1,6 +1,6 @@
 #include "graph/types/file_fields.h"
 
-#include <algorithm>
+#include "carve/base/find_or_null.h"
 
 namespace fluidcarve {
 namespace {
@@ -28,8 +28,7 @@ std::vector<std::string> all_names(const Named& all) {
 }  // namespace
 
 const FileField* find_field(std::span<const FileField> fields, std::string_view name) {
-    const auto found = std::ranges::find(fields, name, &FileField::name);
-    return found == fields.end() ? nullptr : &*found;
+    return find_or_null(fields, name, &FileField::name);
 }
 
 std::vector<std::string> names_of(std::span<const FileField> fields) { return all_names(fields); }

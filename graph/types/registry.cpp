@@ -1,5 +1,6 @@
 #include "graph/types/registry.h"
 
+#include "carve/base/find_or_null.h"
 #include "carve/base/words.h"
 #include "graph/types/file_fields.h"
 
@@ -11,15 +12,11 @@
 namespace fluidcarve {
 
 const InputSpec* NodeType::input(std::string_view name) const {
-    const auto found = std::find_if(inputs.begin(), inputs.end(),
-                                    [&](const InputSpec& each) { return each.name == name; });
-    return found == inputs.end() ? nullptr : &*found;
+    return find_or_null(inputs, name, &InputSpec::name);
 }
 
 const ParamSpec* NodeType::param(std::string_view name) const {
-    const auto found = std::find_if(params.begin(), params.end(),
-                                    [&](const ParamSpec& each) { return each.name == name; });
-    return found == params.end() ? nullptr : &*found;
+    return find_or_null(params, name, &ParamSpec::name);
 }
 
 std::vector<std::string> NodeType::field_names() const {

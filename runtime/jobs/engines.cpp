@@ -1,10 +1,9 @@
 #include "runtime/jobs/engines.h"
 
+#include "carve/base/find_or_null.h"
 #include "runtime/jobs/local.h"
 #include "runtime/jobs/openjd.h"
 #include "runtime/jobs/slurm.h"
-
-#include <algorithm>
 
 namespace fluidcarve {
 
@@ -34,8 +33,7 @@ const std::vector<FarmEngine>& farm_engines() {
 }
 
 const FarmEngine* find_engine(const std::string& name) {
-    const auto found = std::ranges::find(farm_engines(), name, &FarmEngine::name);
-    return found == farm_engines().end() ? nullptr : &*found;
+    return find_or_null(farm_engines(), name, &FarmEngine::name);
 }
 
 }  // namespace fluidcarve

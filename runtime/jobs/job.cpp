@@ -1,5 +1,6 @@
 #include "runtime/jobs/job.h"
 
+#include "carve/base/find_or_null.h"
 #include "carve/base/words.h"
 #include "graph/text/shell_word.h"
 
@@ -33,8 +34,7 @@ std::string to_text(const RunResources& resources) {
 }  // namespace
 
 const FarmStep* FarmJob::find(const std::string& step) const {
-    const auto found = std::ranges::find(steps, step, &FarmStep::name);
-    return found == steps.end() ? nullptr : &*found;
+    return find_or_null(steps, step, &FarmStep::name);
 }
 
 std::size_t FarmJob::tasks() const {
