@@ -21,10 +21,9 @@
 #include "carve/solver/pyramid.h"
 #include "formats/points_file/points_file.h"
 #include "formats/vdb/vdb_file.h"
-#include "graph/build_pipeline.h"
 #include "nodes/catalogue.h"
 #include "nodes/params/rim.h"
-#include "runtime/run/run.h"
+#include "tests/bench/bench_run.h"
 #include "tests/bench/cache.h"
 #include "tests/bench/copying.h"
 #include "tests/bench/cut.h"
@@ -227,24 +226,15 @@ void bench_pipeline() {
     const Scratch scratch;
     const auto in = looped_plume(scratch, frames);
     const auto registry = builtin_registry();
-    Problems problems;
     const auto file = scratch.write(
         "p.yaml", fmt::format("fluidcarve: 1\nextends: {}/pipelines/plume.yaml\nframes: 1-{}\n",
                               SOURCE_ROOT, frames));
-    const auto document =
-        read_document(file, {"sim=" + in.text(), "out=" + (scratch / "out.####.vdb")}, problems);
-    const auto pipeline = build_pipeline(document, registry, problems);
-    if (!problems.empty()) throw std::runtime_error(to_text(problems));
-    RunRequest request;
-    request.options.threads = 2;
-    request.options.in_flight = 3;
-    request.options.memory = std::uint64_t{1} << 32;
+    const auto pipeline = pipeline_of(
+        document_in(file, {"sim=" + in.text(), "out=" + (scratch / "out.####.vdb")}), registry);
+    auto request = quiet_request();
     request.target.to = "out";
-    request.options.cache = false;
     request.report_path = scratch / "report.json";
-    request.quiet = true;
-    const double run =
-        seconds(3, [&] { run_pipeline(pipeline, registry, request, [] { return false; }); });
+    const double run = seconds(3, [&] { run_to_end(pipeline, registry, request); });
     const double floor = seconds_to_copy(in, frames, scratch / "floor.vdb");
     const auto report = nlohmann::json::parse(Scratch::read(request.report_path));
     double work = 0;

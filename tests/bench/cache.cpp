@@ -1,9 +1,8 @@
 #include "tests/bench/cache.h"
-#include "graph/build_pipeline.h"
 
 #include "nodes/catalogue.h"
 #include "runtime/keep/file_hashes.h"
-#include "runtime/run/run.h"
+#include "tests/bench/bench_run.h"
 #include "tests/bench/measure.h"
 #include "tests/support/scratch.h"
 
@@ -18,25 +17,17 @@ namespace {
 void bench_runs(const std::string& name) {
     const Scratch scratch;
     const auto registry = builtin_registry();
-    Problems problems;
-    const auto document =
-        read_document(SOURCE_ROOT "/pipelines/" + name + ".yaml",
-                      {"out=" + (scratch / "out.####.vdb"), "seams=" + (scratch / "seams.vdb"),
-                       "sheet=" + (scratch / "sheet.png")},
-                      problems);
-    const auto pipeline = build_pipeline(document, registry, problems);
-    if (!problems.empty()) throw std::runtime_error(to_text(problems));
-    RunRequest request;
-    request.options.threads = 2;
-    request.options.in_flight = 3;
-    request.options.memory = std::uint64_t{1} << 32;
+    const auto pipeline = pipeline_of(
+        document_in(SOURCE_ROOT "/pipelines/" + name + ".yaml",
+                    {"out=" + (scratch / "out.####.vdb"), "seams=" + (scratch / "seams.vdb"),
+                     "sheet=" + (scratch / "sheet.png")}),
+        registry);
+    auto request = quiet_request();
     request.options.work_folder = scratch / "work";
-    request.quiet = true;
     const auto run = [&](bool cache, bool fresh) {
         request.options.cache = cache;
         if (fresh) std::filesystem::remove_all(request.options.work_folder);
-        if (run_pipeline(pipeline, registry, request, [] { return false; }) != exit_code::done)
-            throw std::runtime_error(name + " failed");
+        run_to_end(pipeline, registry, request);
     };
     // By turns, so that whatever else the machine does meets both.
     std::vector<double> with, without;

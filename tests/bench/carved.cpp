@@ -1,11 +1,10 @@
 #include "tests/bench/carved.h"
 
-#include "graph/build_pipeline.h"
 #include "graph/document.h"
 #include "graph/pipeline.h"
 #include "graph/types/file_fields.h"
 #include "nodes/catalogue.h"
-#include "runtime/run/run.h"
+#include "tests/bench/bench_run.h"
 #include "tests/support/scratch.h"
 
 #include <fmt/format.h>
@@ -102,29 +101,19 @@ Document document_of(const Shot& shot, const std::string& input, const std::stri
     if (!out.empty()) settings.push_back("out=" + out);
     if (shot.range)
         settings.push_back(fmt::format("frames={}-{}", shot.range->first, shot.range->second));
-    Problems problems;
-    auto document = read_document(
-        fmt::format("{}/pipelines/{}.yaml", SOURCE_ROOT, shot.scene.pipeline), settings, problems);
-    if (!problems.empty()) throw std::runtime_error(to_text(problems));
-    return document;
+    return document_in(fmt::format("{}/pipelines/{}.yaml", SOURCE_ROOT, shot.scene.pipeline),
+                       settings);
 }
 
 /// Runs a document up to one of its nodes.
 void run(const Document& document, const Registry& registry, const std::string& to,
          const Scratch& scratch) {
-    Problems problems;
-    const auto pipeline = build_pipeline(document, registry, problems);
-    if (!problems.empty()) throw std::runtime_error(to_text(problems));
-    RunRequest request;
+    auto request = quiet_request(std::uint64_t{1} << 33);
     request.options.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     request.options.in_flight = request.options.threads + 1;
-    request.options.memory = std::uint64_t{1} << 33;
     request.options.work_folder = scratch / "work";
-    request.options.cache = false;
     request.target.to = to;
-    request.quiet = true;
-    if (run_pipeline(pipeline, registry, request, [] { return false; }) != exit_code::done)
-        throw std::runtime_error(document.name + " failed");
+    run_to_end(pipeline_of(document, registry), registry, request);
 }
 
 /// Runs a document up to its carve, and keeps what that made.

@@ -4,12 +4,9 @@
 #include "carve/solver/greedy.h"
 #include "carve/solver/pyramid.h"
 #include "carve/solver/search/bound.h"
-#include "graph/build_pipeline.h"
-#include "graph/document.h"
-#include "graph/pipeline.h"
 #include "nodes/catalogue.h"
 #include "nodes/solving/declare_solver.h"
-#include "runtime/run/run.h"
+#include "tests/bench/bench_run.h"
 #include "tests/support/scratch.h"
 #include "tests/support/synthetic_energy.h"
 
@@ -85,22 +82,13 @@ std::optional<EnergyVolume> real_energy(const std::string& folder, const std::st
     const auto file = scratch.write(
         "p.yaml", fmt::format("fluidcarve: 1\nextends: {}/pipelines/{}.yaml\nframes: {}-{}\n",
                               SOURCE_ROOT, name, frames->first, frames->second));
-    Problems problems;
-    const auto document = read_document(
+    const auto document = document_in(
         file,
         {fmt::format("sim={0}/{1}/{1}.####.vdb", std::filesystem::absolute(folder).string(), name),
-         "seams.type=seam.record", "count=-1"},
-        problems);
-    const auto pipeline = build_pipeline(document, registry, problems);
-    if (!problems.empty()) throw std::runtime_error(to_text(problems));
-    RunRequest request;
-    request.options.threads = 2;
-    request.options.in_flight = 3;
-    request.options.memory = std::uint64_t{1} << 33;
+         "seams.type=seam.record", "count=-1"});
+    auto request = quiet_request(std::uint64_t{1} << 33);
     request.target.to = "seams";
-    request.options.cache = false;
-    request.quiet = true;
-    run_pipeline(pipeline, registry, request, [] { return false; });
+    run_to_end(pipeline_of(document, registry), registry, request);
     return std::exchange(recorded, std::nullopt);
 }
 

@@ -1,3 +1,4 @@
+#include "tests/support/files/vdb_sequences.h"
 #include "tests/support/program.h"
 
 #include <fmt/format.h>
@@ -11,29 +12,16 @@
 // `time.loop`, run by the program on a puff of smoke.
 
 using namespace fluidcarve;
+using namespace fluidcarve::test;
 using openvdb::Vec3d;
 
 namespace {
 
-std::string loop_file(const Scratch& scratch, const std::string& name, int frame) {
-    return fmt::format("{}.{:04}.vdb", scratch / name, frame);
-}
-
 /// Writes frames 1 to `last` of a puff that is at a place, voxels.
 template <class Place>
 void write_puffs(const Scratch& scratch, int last, const Place& place) {
-    openvdb::initialize();
-    for (int frame = 1; frame <= last; ++frame) {
-        const auto grid = openvdb::FloatGrid::create();
-        grid->setName("density");
-        const Vec3d around = place(frame);
-        const auto low = openvdb::Coord::round(around).offsetBy(-9), high = low.offsetBy(18);
-        for (auto at = openvdb::CoordBBox(low, high).begin(); at; ++at)
-            if (const auto value = std::exp(-0.5 * ((*at).asVec3d() - around).lengthSqr() / 8);
-                value > 1e-3)
-                grid->tree().setValue(*at, static_cast<float>(value));
-        openvdb::io::File(loop_file(scratch, "puff", frame)).write({grid});
-    }
+    for (int frame = 1; frame <= last; ++frame)
+        openvdb::io::File(file_at(scratch / "puff", frame)).write({puff_around(place(frame))});
 }
 
 /// A way round, once in so many frames.
@@ -57,19 +45,8 @@ Called loop(const Scratch& scratch, int last, const std::string& params,
                                   FLUIDCARVE_PROGRAM, pipeline, scratch / "report.json", options));
 }
 
-openvdb::FloatGrid::Ptr puff_in(const std::string& path) {
-    openvdb::io::File file(path);
-    file.open(false);
-    return openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("density"));
-}
-
 double puff_off(const openvdb::FloatGrid& a, const openvdb::FloatGrid& b) {
-    double out = 0;
-    for (auto value = a.cbeginValueOn(); value; ++value)
-        out += std::pow(*value - b.tree().getValue(value.getCoord()), 2);
-    for (auto value = b.cbeginValueOn(); value; ++value)
-        if (!a.tree().isValueOn(value.getCoord())) out += std::pow(*value, 2);
-    return std::sqrt(out);
+    return std::sqrt(squared_difference(a, b));
 }
 
 }  // namespace
@@ -86,8 +63,8 @@ TEST_CASE("a loop of a motion that repeats is that motion, as often as it is ask
     CHECK(told["difference"].get<double>() < 0.01);
     const int first = told["first"];
     for (int n = 0; n < 24; ++n) {
-        const auto source = puff_in(loop_file(scratch, "puff", first + n % 12)),
-                   out = puff_in(loop_file(scratch, "out", 101 + n));
+        const auto source = density_in(file_at(scratch / "puff", first + n % 12)),
+                   out = density_in(file_at(scratch / "out", 101 + n));
         const auto all = puff_off(*source, *openvdb::FloatGrid::create());
         CHECK(puff_off(*source, *out) <= (n % 12 < 9 ? 0 : 0.01 * all));
     }
@@ -105,11 +82,11 @@ TEST_CASE(
                             Catch::Contains("with `frames: 8` it would be"));
     double largest = 0, most = 0;
     for (int frame = 1; frame < 16; ++frame)
-        largest = std::max(largest, puff_off(*puff_in(loop_file(scratch, "puff", frame)),
-                                             *puff_in(loop_file(scratch, "puff", frame + 1))));
+        largest = std::max(largest, puff_off(*density_in(file_at(scratch / "puff", frame)),
+                                             *density_in(file_at(scratch / "puff", frame + 1))));
     for (int n = 0; n < 10; ++n)
-        most = std::max(most, puff_off(*puff_in(loop_file(scratch, "out", 1 + n)),
-                                       *puff_in(loop_file(scratch, "out", 1 + (n + 1) % 10))));
+        most = std::max(most, puff_off(*density_in(file_at(scratch / "out", 1 + n)),
+                                       *density_in(file_at(scratch / "out", 1 + (n + 1) % 10))));
     CHECK(most < 1.2 * largest);
 }
 
@@ -129,10 +106,10 @@ TEST_CASE(
     REQUIRE(ran.code == 0);
     CHECK(nlohmann::json::parse(Scratch::read(scratch / "report.json"))["loop"]["loop"]["frames"] ==
           12);
-    CHECK(puff_off(*puff_in(loop_file(scratch, "out", 1)),
-                   *puff_in(loop_file(scratch, "out", 13))) == 0);
-    CHECK(std::filesystem::exists(loop_file(scratch, "out", 15)));
-    CHECK_FALSE(std::filesystem::exists(loop_file(scratch, "out", 16)));
+    CHECK(puff_off(*density_in(file_at(scratch / "out", 1)),
+                   *density_in(file_at(scratch / "out", 13))) == 0);
+    CHECK(std::filesystem::exists(file_at(scratch / "out", 15)));
+    CHECK_FALSE(std::filesystem::exists(file_at(scratch / "out", 16)));
     CHECK_THAT(loop(scratch, 21, "frames: [15, 9]").err,
                Catch::Contains("'frames' must rise: [9, 15]"));
 }

@@ -1,5 +1,6 @@
 // Relations between two runs, which need no third that knows the right result.
 
+#include "tests/support/files/vdb_sequences.h"
 #include "tests/support/program.h"
 
 #include <fmt/format.h>
@@ -11,16 +12,13 @@
 #include <fstream>
 
 using namespace fluidcarve;
+using namespace fluidcarve::test;
 
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr int frame_a = 51, frame_b = 54;  ///< the frames carved
-
-std::string numbered(const std::string& stem, int frame) {
-    return fmt::format("{}.{:04}.vdb", stem, frame);
-}
 
 /// Carves the frames by the pipeline that `carve` writes for them.
 /// @param arguments  of `carve`  @param more  of `run`  @return the carved sequence
@@ -40,20 +38,12 @@ std::string carved(const Scratch& scratch, const std::string& name, const std::s
     return out;
 }
 
-/// What `diff` says of two sequences; empty if they are equal.
-std::string difference(const std::string& a, const std::string& b,
-                       const std::string& arguments = "") {
-    const auto ran =
-        call_shell(fmt::format("{} diff {} {} {}", FLUIDCARVE_PROGRAM, a, b, arguments));
-    return ran.code == 0 ? "" : ran.out + ran.err;
-}
-
 /// Copies the plume's frames. @param from  the frame that becomes this one
 template <class From>
 std::string copied(const Scratch& scratch, const std::string& name, const From& from) {
     for (int frame = frame_a; frame <= frame_b; ++frame)
-        fs::copy_file(numbered(SOURCE_ROOT "/tests/data/plume/plume", from(frame)),
-                      numbered(scratch / name, frame));
+        fs::copy_file(file_at(SOURCE_ROOT "/tests/data/plume/plume", from(frame)),
+                      file_at(scratch / name, frame));
     return scratch / name + ".####.vdb";
 }
 
@@ -77,11 +67,11 @@ TEST_CASE("neither threads nor frames in flight nor memory changes a byte of a c
         const Scratch scratch;
         const auto input = copied(scratch, "in", same_frame);
         const auto wanted = carved(scratch, "wanted", input, arguments, "--threads 2");
-        CHECK(difference(wanted, carved(scratch, "alone", input, arguments,
-                                        "--threads 1 --in-flight 1")) == "");
-        CHECK(difference(wanted, carved(scratch, "crowd", input, arguments,
-                                        "--threads 2 --in-flight 9")) == "");
-        CHECK(difference(wanted, carved(scratch, "scarce", input, arguments, "--memory 64M")) ==
+        CHECK(difference_of(wanted, carved(scratch, "alone", input, arguments,
+                                           "--threads 1 --in-flight 1")) == "");
+        CHECK(difference_of(wanted, carved(scratch, "crowd", input, arguments,
+                                           "--threads 2 --in-flight 9")) == "");
+        CHECK(difference_of(wanted, carved(scratch, "scarce", input, arguments, "--memory 64M")) ==
               "");
     }
 }
@@ -92,7 +82,7 @@ TEST_CASE("a grid that has nothing to do with a carve changes nothing but itself
     const auto alone = carved(scratch, "alone", copied(scratch, "in", same_frame), "-8");
     const auto input = copied(scratch, "more", same_frame);
     for (int frame = frame_a; frame <= frame_b; ++frame) {
-        openvdb::io::File file(numbered(scratch / "more", frame));
+        openvdb::io::File file(file_at(scratch / "more", frame));
         file.open(false);
         auto grids = *file.getGrids();
         file.close();
@@ -103,9 +93,9 @@ TEST_CASE("a grid that has nothing to do with a carve changes nothing but itself
             other->tree().setValue(openvdb::Coord(n % 40, n % 37, n % 80),
                                    static_cast<float>(n + frame));
         grids.push_back(other);
-        openvdb::io::File(numbered(scratch / "more", frame)).write(grids);
+        openvdb::io::File(file_at(scratch / "more", frame)).write(grids);
     }
-    const auto said = difference(alone, carved(scratch, "together", input, "-8"));
+    const auto said = difference_of(alone, carved(scratch, "together", input, "-8"));
     for (const std::string grid : {"velocity", "density", "shadow", "temperature", "flame"})
         CHECK_THAT(said, Catch::Contains(grid + ": the same"));
     CHECK_THAT(said, Catch::Contains("other: different"));
@@ -150,12 +140,12 @@ TEST_CASE(
     const auto input = copied(scratch, "in", same_frame);
     carved(scratch, "all", input, "-8");
     carved(scratch, "part", input, "-8", "-f 52,54");
-    CHECK_FALSE(fs::exists(numbered(scratch / "part", 51)));
+    CHECK_FALSE(fs::exists(file_at(scratch / "part", 51)));
     for (const int frame : {52, 54})
-        CHECK(difference(numbered(scratch / "all", frame), numbered(scratch / "part", frame)) ==
+        CHECK(difference_of(file_at(scratch / "all", frame), file_at(scratch / "part", frame)) ==
               "");
-    CHECK(difference(carved(scratch, "four", input, "-4"),
-                     carved(scratch, "of_eight", input, "-8", "--set carved.count=4")) == "");
+    CHECK(difference_of(carved(scratch, "four", input, "-4"),
+                        carved(scratch, "of_eight", input, "-8", "--set carved.count=4")) == "");
 }
 
 TEST_CASE("planes of a box leave as rows of the turned box do, bit for bit", "[long]") {
@@ -184,7 +174,7 @@ TEST_CASE("planes of a box leave as rows of the turned box do, bit for bit", "[l
          {"type: seam.pyramid, count: -9", "type: seam.greedy, count: 7, anchor: high",
           "type: seam.pyramid, count: 8, thickness: auto", "type: warp.solve, amount: -6.5"}) {
         INFO(seams);
-        CHECK(difference(carve("along", "xyz", "w", seams), carve("turned", "xzy", "v", seams)) ==
-              "");
+        CHECK(difference_of(carve("along", "xyz", "w", seams),
+                            carve("turned", "xzy", "v", seams)) == "");
     }
 }

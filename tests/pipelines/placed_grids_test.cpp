@@ -1,4 +1,5 @@
 #include "formats/vdb/vdb_file.h"
+#include "tests/support/files/vdb_sequences.h"
 #include "tests/support/program.h"
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include <map>
 
 using namespace fluidcarve;
+using namespace fluidcarve::test;
 using openvdb::Coord;
 using openvdb::FloatGrid;
 using openvdb::Mat4d;
@@ -45,13 +47,6 @@ struct Storage {
             back * original.baseMap()->getAffineMap()->getMat4() * world);
     }
 };
-
-FloatGrid::Ptr density_in(const std::string& file) {
-    openvdb::initialize();
-    openvdb::io::File in(file);
-    in.open();
-    return openvdb::gridPtrCast<FloatGrid>(in.readGrid("density"));
-}
 
 std::string file_of(const std::string& folder, const char* name, int frame) {
     return fmt::format("{}/{}.{:04}.vdb", folder, name, frame);

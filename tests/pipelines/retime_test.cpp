@@ -1,4 +1,5 @@
 #include "formats/points_file/points_file.h"
+#include "tests/support/files/vdb_sequences.h"
 #include "tests/support/program.h"
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include <filesystem>
 
 using namespace fluidcarve;
+using namespace fluidcarve::test;
 
 namespace {
 
@@ -34,32 +36,6 @@ std::string retimed(const Scratch& scratch, const std::string& name, const std::
     INFO(ran.err);
     CHECK(ran.code == code);
     return ran.err;
-}
-
-std::string file_at(const std::string& stem, int frame) {
-    return fmt::format("{}.{:04}.vdb", stem, frame);
-}
-
-openvdb::FloatGrid::Ptr plume_density(const std::string& path) {
-    openvdb::initialize();
-    openvdb::io::File file(path);
-    file.open(false);
-    return openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("density"));
-}
-
-double squared_difference(const openvdb::FloatGrid& a, const openvdb::FloatGrid& b) {
-    double out = 0;
-    for (auto value = a.cbeginValueOn(); value; ++value)
-        out += std::pow(*value - b.tree().getValue(value.getCoord()), 2);
-    for (auto value = b.cbeginValueOn(); value; ++value)
-        if (!a.tree().isValueOn(value.getCoord()))
-            out += std::pow(*value - a.tree().getValue(value.getCoord()), 2);
-    return out;
-}
-
-std::string difference_of(const std::string& a, const std::string& b) {
-    const auto ran = call_shell(fmt::format("{} diff {} {}", FLUIDCARVE_PROGRAM, a, b));
-    return ran.code == 0 ? "" : ran.out + ran.err;
 }
 
 }  // namespace
@@ -92,16 +68,16 @@ TEST_CASE("frames that were left out are made again better than by blending", "[
     retimed(scratch, "made", "51-55x2", "speed: 0.5");
     double made = 0, blended = 0, before = 0, after = 0;
     for (const int frame : {52, 54}) {
-        const auto truth = plume_density(file_at(SOURCE_ROOT "/tests/data/plume/plume", frame));
-        const auto a = plume_density(file_at(SOURCE_ROOT "/tests/data/plume/plume", frame - 1)),
-                   b = plume_density(file_at(SOURCE_ROOT "/tests/data/plume/plume", frame + 1));
+        const auto truth = density_in(file_at(SOURCE_ROOT "/tests/data/plume/plume", frame));
+        const auto a = density_in(file_at(SOURCE_ROOT "/tests/data/plume/plume", frame - 1)),
+                   b = density_in(file_at(SOURCE_ROOT "/tests/data/plume/plume", frame + 1));
         const auto blend = a->deepCopy();
         blend->tree().topologyUnion(b->tree());
         for (auto value = blend->beginValueOn(); value; ++value)
             value.setValue(0.5f * (a->tree().getValue(value.getCoord()) +
                                    b->tree().getValue(value.getCoord())));
         // On twos, frame 51 + 2 n shows frame 51 + n.
-        const auto got = plume_density(file_at(scratch / "made", 51 + 2 * (frame - 51)));
+        const auto got = density_in(file_at(scratch / "made", 51 + 2 * (frame - 51)));
         made += squared_difference(*got, *truth);
         blended += squared_difference(*blend, *truth);
         for (auto value = got->cbeginValueOn(); value; ++value) before += *value;

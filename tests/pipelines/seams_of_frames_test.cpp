@@ -1,3 +1,4 @@
+#include "tests/support/files/vdb_sequences.h"
 #include "tests/support/program.h"
 
 #include <fmt/format.h>
@@ -12,32 +13,21 @@
 // `axis: t`, run by the program on a puff of smoke with a mask and points beside it.
 
 using namespace fluidcarve;
+using namespace fluidcarve::test;
 using openvdb::Vec3d;
 
 namespace {
 
-std::string frame_file(const Scratch& scratch, const std::string& name, int frame) {
-    return fmt::format("{}.{:04}.vdb", scratch / name, frame);
-}
-
 /// Writes frames 1 to `last` of a puff that circles, and rests from frame 8 to 13.
 void write_resting(const Scratch& scratch, int last) {
-    openvdb::initialize();
     for (int frame = 1; frame <= last; ++frame) {
         const double turn = 2 * M_PI / 40 * (frame <= 8 ? frame : frame <= 13 ? 8 : frame - 5);
-        const Vec3d around = 8.0 * Vec3d(std::cos(turn), std::sin(turn), 0);
-        const auto grid = openvdb::FloatGrid::create();
-        grid->setName("density");
+        const auto puff = puff_around(8.0 * Vec3d(std::cos(turn), std::sin(turn), 0));
         const auto count = openvdb::Int32Grid::create();
         count->setName("count");
-        const auto low = openvdb::Coord::round(around).offsetBy(-9), high = low.offsetBy(18);
-        for (auto at = openvdb::CoordBBox(low, high).begin(); at; ++at)
-            if (const auto value = std::exp(-0.5 * ((*at).asVec3d() - around).lengthSqr() / 8);
-                value > 1e-3) {
-                grid->tree().setValue(*at, static_cast<float>(value));
-                count->tree().setValue(*at, frame);
-            }
-        openvdb::io::File(frame_file(scratch, "puff", frame)).write({grid, count});
+        count->tree().topologyUnion(puff->tree());
+        for (auto voxel = count->beginValueOn(); voxel; ++voxel) voxel.setValue(frame);
+        openvdb::io::File(file_at(scratch / "puff", frame)).write({puff, count});
     }
 }
 
@@ -65,11 +55,6 @@ Called run(const Scratch& scratch, const std::string& file, const std::string& o
         fmt::format("run {} --progress none --work {} {}", file, scratch / "work", options));
 }
 
-std::string differs(const std::string& a, const std::string& b) {
-    const auto ran = fluidcarve_program(fmt::format("diff {} {}", a, b));
-    return ran.code == 0 ? "" : ran.out + ran.err;
-}
-
 }  // namespace
 
 TEST_CASE("a pause is what leaves a sequence, and all other frames keep their bits") {
@@ -78,10 +63,10 @@ TEST_CASE("a pause is what leaves a sequence, and all other frames keep their bi
     const auto ran = run(scratch, pipeline(scratch, "shorter", "1-21", "count: -4", ", join: cut"));
     INFO(ran.err);
     REQUIRE(ran.code == 0);
-    CHECK_FALSE(std::filesystem::exists(frame_file(scratch, "shorter", 18)));
+    CHECK_FALSE(std::filesystem::exists(file_at(scratch / "shorter", 18)));
     for (int n = 1; n <= 17; ++n) {
-        const auto out = frame_file(scratch, "shorter", n),
-                   in = frame_file(scratch, "puff", n <= 8 ? n : n + 4);
+        const auto out = file_at(scratch / "shorter", n),
+                   in = file_at(scratch / "puff", n <= 8 ? n : n + 4);
         CHECK_THAT(fluidcarve_program("diff " + out + " " + in).out,
                    Catch::Contains("density: the same"));
     }
@@ -93,11 +78,11 @@ TEST_CASE("a sequence becomes as much longer in time as its seams say, whole num
     const auto ran = run(scratch, pipeline(scratch, "longer", "1-12", "count: 25%"));
     INFO(ran.err);
     REQUIRE(ran.code == 0);
-    CHECK_FALSE(std::filesystem::exists(frame_file(scratch, "longer", 16)));
-    CHECK(differs(frame_file(scratch, "longer", 1), frame_file(scratch, "puff", 1)) == "");
-    CHECK(differs(frame_file(scratch, "longer", 15), frame_file(scratch, "puff", 12)) == "");
+    CHECK_FALSE(std::filesystem::exists(file_at(scratch / "longer", 16)));
+    CHECK(difference_of(file_at(scratch / "longer", 1), file_at(scratch / "puff", 1)) == "");
+    CHECK(difference_of(file_at(scratch / "longer", 15), file_at(scratch / "puff", 12)) == "");
     for (int n = 1; n <= 15; ++n) {
-        openvdb::io::File file(frame_file(scratch, "longer", n));
+        openvdb::io::File file(file_at(scratch / "longer", n));
         file.open(false);
         const auto count = openvdb::gridPtrCast<openvdb::Int32Grid>(file.readGrid("count"));
         for (auto value = count->cbeginValueOn(); value; ++value)
@@ -123,14 +108,14 @@ TEST_CASE("seams of frames that were kept carve what fewer would, in parts as in
                     "  out: {{type: vdb.write, source: carved, path: {}}}\n",
                     scratch / "puff.####.vdb", scratch / "seams.vdb", scratch / "read.####.vdb"));
     REQUIRE(run(scratch, read).code == 0);
-    CHECK(differs(scratch / "two.####.vdb", scratch / "read.####.vdb") == "");
+    CHECK(difference_of(scratch / "two.####.vdb", scratch / "read.####.vdb") == "");
     for (const auto* const part : {"1-4", "5-10"}) {
         const auto ran = run(scratch, pipeline(scratch, "parts", "1-12", "count: -2"),
                              fmt::format("-f {} --no-cache --threads 1", part));
         INFO(ran.err);
         REQUIRE(ran.code == 0);
     }
-    CHECK(differs(scratch / "two.####.vdb", scratch / "parts.####.vdb") == "");
+    CHECK(difference_of(scratch / "two.####.vdb", scratch / "parts.####.vdb") == "");
 }
 
 TEST_CASE("particles and meshes beside a volume lose the frames that it loses") {
@@ -163,7 +148,7 @@ TEST_CASE("particles and meshes beside a volume lose the frames that it loses") 
     };
     const auto same = [&](int frame, int in_source) {
         for (const auto& [name, ending] : {std::pair("drops", "ply"), {"bank", "obj"}})
-            CHECK(differs(file("out", frame, ending), file(name, in_source, ending)) == "");
+            CHECK(difference_of(file("out", frame, ending), file(name, in_source, ending)) == "");
     };
     const auto cut = run(scratch, pipeline(scratch, "shorter", "1-21", "count: -5", ", join: cut",
                                            geometry(", join: cut")));

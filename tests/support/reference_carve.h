@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <functional>
 #include <random>
 #include <type_traits>
 #include <vector>
@@ -51,8 +52,8 @@ bool same(const Dense<T>& a, const Dense<T>& b) {
 /// Where lattice vertices are voxels: vertex (i, j, k) at origin + i step[0] + j step[1] + k
 /// step[2].
 struct Layout {
-    openvdb::Coord origin;
-    std::array<openvdb::Coord, 3> step;
+    openvdb::Coord origin{0, 0, 0};
+    std::array<openvdb::Coord, 3> step{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     openvdb::Coord operator()(const std::array<int, 3>& at) const {
         auto out = origin;
         for (std::size_t n = 0; n < 3; ++n)
@@ -60,6 +61,19 @@ struct Layout {
         return out;
     }
 };
+
+/// What an insertion puts between two voxels of a grid of this type.
+template <class Grid>
+typename Dense<typename Grid::ValueType>::Voxel mean_voxel(
+    const typename Dense<typename Grid::ValueType>::Voxel& a,
+    const typename Dense<typename Grid::ValueType>::Voxel& b) {
+    using T = typename Grid::ValueType;
+    using Element = typename openvdb::VecTraits<T>::ElementType;
+    if constexpr (std::is_same_v<typename Grid::BuildType, openvdb::ValueMask>) return a;
+    else if constexpr (std::is_floating_point_v<Element>)
+        return {T((a.value + b.value) / Element(2)), a.on || b.on};
+    else return {a.value, a.on || b.on};
+}
 
 /// Classical seam carving, one seam after the other, column by column, straight from its
 /// definition: the reference for everything that is cleverer. Only the first `count` seams of a
@@ -157,6 +171,35 @@ inline Seams random_pairs(std::mt19937& random, const Lattice& lattice,
         fill(out.seams, kind, 0, border - 1);
         fill(out.pairs, opposite(kind), border, out.before() - 2);
     }
+    return out;
+}
+
+/// Sets of arbitrary seams along arbitrary axes, each found in the vertices that those before it
+/// leave. The shape of the vertices that all leave is `sets.back()->shape_after()`.
+/// @param most  seams of one set at most; no more than a third of the vertices along any axis
+inline std::vector<Ref<Seams>> random_sets(std::mt19937& random, const Lattice& lattice, int length,
+                                           int most, const std::vector<int>& frames) {
+    std::vector<Ref<Seams>> out;
+    auto shape = lattice.shape;
+    for (int step = 0; step < length; ++step) {
+        const auto axis = static_cast<Axis>(random() % 3);
+        const auto kind = random() % 2 == 0 ? Seams::Kind::remove : Seams::Kind::insert;
+        const auto make = random() % 2 == 0 ? random_pairs : random_seams;
+        out.push_back(std::make_shared<Seams>(
+            make(random, lattice, shape, axis, kind, below(random, most + 1), frames)));
+        shape = out.back()->shape_after(out.back()->seams.size());
+    }
+    return out;
+}
+
+/// A grid with a value at each voxel of a box, all active.
+inline FloatGrid::Ptr dense_grid(const openvdb::CoordBBox& box,
+                                 const openvdb::math::Transform::Ptr& transform,
+                                 const std::function<float(const openvdb::Coord&)>& value) {
+    const auto out = FloatGrid::create();
+    out->setTransform(transform);
+    auto values = out->getAccessor();
+    for (auto at = box.begin(); at; ++at) values.setValueOn(*at, value(*at));
     return out;
 }
 

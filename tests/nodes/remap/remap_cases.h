@@ -21,13 +21,3 @@ inline CarveMap map_of_count(const Lattice& lattice, const Seams& seams,
                              std::optional<std::size_t> count = {}) {
     return {lattice, {std::make_shared<Seams>(seams)}, seams.frames.front(), count};
 }
-
-inline FloatGrid::Ptr dense_grid(const CoordBBox& box,
-                                 const openvdb::math::Transform::Ptr& transform,
-                                 const std::function<float(const Coord&)>& value) {
-    const auto out = FloatGrid::create();
-    out->setTransform(transform);
-    auto values = out->getAccessor();
-    for (auto at = box.begin(); at; ++at) values.setValueOn(*at, value(*at));
-    return out;
-}

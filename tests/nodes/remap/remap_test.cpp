@@ -96,15 +96,6 @@ TEMPLATE_TEST_CASE("on the voxels, carving is classical seam carving bit for bit
                    openvdb::BoolGrid, openvdb::MaskGrid, openvdb::Vec3SGrid, openvdb::Vec3DGrid,
                    openvdb::Vec3IGrid) {
     using T = typename TestType::ValueType;
-    using Voxel = typename Dense<T>::Voxel;
-    constexpr bool mask = std::is_same_v<typename TestType::BuildType, openvdb::ValueMask>;
-    const auto mean = [](const Voxel& a, const Voxel& b) {
-        if constexpr (mask) return a;
-        else if constexpr (std::is_floating_point_v<typename openvdb::VecTraits<T>::ElementType>)
-            return Voxel{T((a.value + b.value) / typename openvdb::VecTraits<T>::ElementType(2)),
-                         a.on || b.on};
-        else return Voxel{a.value, a.on || b.on};
-    };
     std::mt19937 random(7);
     for (int n = 0; n < 12; ++n) {
         const OnVoxels place(random);
@@ -130,7 +121,7 @@ TEMPLATE_TEST_CASE("on the voxels, carving is classical seam carving bit for bit
         Dense<T> want(*grid, box);
         for (const auto& set : sets)
             carve(want, place.layout, *set, 1, set == sets.back() ? count : set->seams.size(),
-                  grid->background(), mean);
+                  grid->background(), mean_voxel<TestType>);
 
         const auto got = carved<TestType>(grid, place.lattice, map);
         INFO("case " << n << ", " << length << " sets");

@@ -42,8 +42,8 @@ public:
             grid.tree().setValue(*at, static_cast<float>((*at)[axis_]));
         numbers_ = Dense<float>(grid, box);
         using Voxel = Dense<float>::Voxel;
-        carve(numbers_, Layout{Coord(0), {Coord(1, 0, 0), Coord(0, 1, 0), Coord(0, 0, 1)}}, seams,
-              t, seams.seams.size(), -1.0f, [](const Voxel& a, const Voxel& b) {
+        carve(numbers_, Layout{}, seams, t, seams.seams.size(), -1.0f,
+              [](const Voxel& a, const Voxel& b) {
                   return Voxel{(a.value + b.value) / 2, true};
               });
     }

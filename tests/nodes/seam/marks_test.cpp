@@ -206,22 +206,14 @@ TEST_CASE(
     "is") {
     std::mt19937 random(14);
     const std::vector<int> frames{5, 6, 7};
-    const Layout layout{Coord(0), {Coord(1, 0, 0), Coord(0, 1, 0), Coord(0, 0, 1)}};
+    const Layout layout;
     for (int n = 0; n < 30; ++n) {
         const auto lattice =
             box({8 + below(random, 6), 8 + below(random, 6), 6 + below(random, 4)});
         const CoordBBox space(
             Coord(0), Coord(lattice.shape[0] - 1, lattice.shape[1] - 1, lattice.shape[2] - 1));
-        std::vector<Ref<Seams>> after;
-        auto shape = lattice.shape;
-        for (int step = 0; step < 1 + n % 3; ++step) {
-            const auto axis = static_cast<Axis>(random() % 3);
-            const auto kind = random() % 2 == 0 ? Seams::Kind::remove : Seams::Kind::insert;
-            const auto make = random() % 2 == 0 ? random_pairs : random_seams;
-            after.push_back(std::make_shared<Seams>(
-                make(random, lattice, shape, axis, kind, below(random, 3), frames)));
-            shape = after.back()->shape_after(after.back()->seams.size());
-        }
+        const auto after = random_sets(random, lattice, 1 + n % 3, 2, frames);
+        const auto shape = after.back()->shape_after(after.back()->seams.size());
         // Everything that only one of many carved spaces shows: energies, and masks of few voxels.
         std::vector<FloatGrid::Ptr> energy, carved;
         Grids masks, carved_masks;

@@ -181,24 +181,14 @@ TEST_CASE("seams after others are those of the energy that the others leave") {
     const auto mean = [](const auto& a, const auto& b) {
         return Dense<float>::Voxel{0.5f * (a.value + b.value), true};
     };
-    const Layout layout{Coord(0), {Coord(1, 0, 0), Coord(0, 1, 0), Coord(0, 0, 1)}};
+    const Layout layout;
     for (int n = 0; n < 30; ++n) {
-        const auto below = [&](int limit) {
-            return static_cast<int>(random() % static_cast<unsigned>(limit));
-        };
-        const auto lattice = box({8 + below(6), 8 + below(6), 6 + below(4)});
+        const auto lattice =
+            box({8 + below(random, 6), 8 + below(random, 6), 6 + below(random, 4)});
         const bool once = n % 4 == 0;  // one energy for all frames
         auto energy = noise(random, lattice.shape, once ? 1 : frames.size());
-        std::vector<Ref<Seams>> after;
-        auto shape = lattice.shape;
-        for (int step = 0; step < 1 + n % 3; ++step) {
-            const auto axis = static_cast<Axis>(random() % 3);
-            const auto kind = random() % 2 == 0 ? Seams::Kind::remove : Seams::Kind::insert;
-            const auto make = random() % 2 == 0 ? random_pairs : random_seams;
-            after.push_back(std::make_shared<Seams>(
-                make(random, lattice, shape, axis, kind, below(3), frames)));
-            shape = after.back()->shape_after(after.back()->seams.size());
-        }
+        const auto after = random_sets(random, lattice, 1 + n % 3, 2, frames);
+        const auto shape = after.back()->shape_after(after.back()->seams.size());
         const std::string yaml =
             std::array{"{count: -2, axis: u, window: [1, 4]}", "{count: 3, axis: v}",
                        "{count: -1, axis: w}"}[static_cast<std::size_t>(n / 4 % 3)];

@@ -49,13 +49,6 @@ Seams straight_pairs(const Lattice& lattice, Axis axis, Seams::Kind kind, int fi
 TEMPLATE_TEST_CASE("on the voxels, carving pairs is classical carving of both windows bit for bit",
                    "", openvdb::FloatGrid, openvdb::Int32Grid, openvdb::Vec3SGrid) {
     using T = typename TestType::ValueType;
-    using Voxel = typename Dense<T>::Voxel;
-    using Element = typename openvdb::VecTraits<T>::ElementType;
-    const auto mean = [](const Voxel& a, const Voxel& b) {
-        if constexpr (std::is_floating_point_v<Element>)
-            return Voxel{T((a.value + b.value) / Element(2)), a.on || b.on};
-        else return Voxel{a.value, a.on || b.on};
-    };
     std::mt19937 random(9);
     for (int n = 0; n < 40; ++n) {
         std::array<int, 3> axes{0, 1, 2};
@@ -89,9 +82,8 @@ TEMPLATE_TEST_CASE("on the voxels, carving pairs is classical carving of both wi
         Dense<T> want(*grid, box);
         for (const auto& set : sets)
             carve(want, layout, *set, 1, set == sets.back() ? count : set->seams.size(),
-                  grid->background(), mean);
-        const auto got = openvdb::GridBase::grid<TestType>(
-            carve_grid(grid, lattice, map, Interpolation::linear));
+                  grid->background(), mean_voxel<TestType>);
+        const auto got = carved<TestType>(grid, lattice, map);
         INFO("case " << n << ", " << length << " sets");
         CHECK(same(Dense<T>(*got, box), want));
     }
@@ -103,12 +95,10 @@ TEST_CASE(
     auto transform = openvdb::math::Transform::createLinearTransform(0.8);
     transform->preRotate(0.3, openvdb::math::Z_AXIS);
     const auto lattice = make_box(Vec3d(0), {40, 20, 8}, 0.8, {0, 1, 2});
-    const auto grid = FloatGrid::create();
-    grid->setTransform(transform);
-    auto values = grid->getAccessor();
     const auto field = [](const Vec3d& p) { return float(p.x() + 0.25 * p.y()); };
-    for (auto at = CoordBBox(Coord(-25), Coord(60)).begin(); at; ++at)
-        values.setValueOn(*at, field(transform->indexToWorld(*at)));
+    const auto grid = dense_grid(CoordBBox(Coord(-25), Coord(60)), transform, [&](const Coord& at) {
+        return field(transform->indexToWorld(at));
+    });
 
     // Three entries from 10 on in the first window, three from 25 on in the other.
     const auto seams = straight_pairs(lattice, Axis::u, kind, 10, 25, 3);
@@ -116,8 +106,7 @@ TEST_CASE(
     const CarveMap map(lattice, {std::make_shared<Seams>(seams)}, 1, {});
     CHECK(map.steps()[0].after() == 40);
     CHECK(map.reach() == lattice.shape);
-    const auto got =
-        openvdb::GridBase::grid<FloatGrid>(carve_grid(grid, lattice, map, Interpolation::linear));
+    const auto got = carved<FloatGrid>(grid, lattice, map);
     const Mapping mapping(lattice);
     int kept = 0, moved = 0;
     for (auto voxel = grid->cbeginValueOn(); voxel; ++voxel) {
