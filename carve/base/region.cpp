@@ -1,5 +1,7 @@
 #include "carve/base/region.h"
 
+#include "carve/base/words.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -43,8 +45,7 @@ Region widened(Region region, double by) {
 }
 
 std::string to_text(const Region::Box& box) {
-    return fmt::format("({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g})", box.low[0], box.low[1],
-                       box.low[2], box.high[0], box.high[1], box.high[2]);
+    return fmt::format("({}) to ({})", numbers_text(box.low), numbers_text(box.high));
 }
 
 }  // namespace fluidcarve

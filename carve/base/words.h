@@ -1,9 +1,12 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 namespace fluidcarve {
@@ -16,6 +19,13 @@ std::string size_text(std::uint64_t bytes);
 std::string counted(std::size_t count, std::string_view what);
 /// "a", "a or b", "a, b or c". @param all  one or more
 std::string either(const std::vector<std::string>& all);
+/// The numbers of a place, a voxel or a vertex: "1.5, 2, 3".
+template <class Three>
+std::string numbers_text(const Three& of) {
+    if constexpr (std::is_floating_point_v<std::remove_cvref_t<decltype(of[0])>>)
+        return fmt::format("{:g}, {:g}, {:g}", of[0], of[1], of[2]);
+    else return fmt::format("{}, {}, {}", of[0], of[1], of[2]);
+}
 /// A text in small letters; only A to Z change.
 std::string in_small_letters(std::string_view text);
 /// The ending of a file's name in small letters: ".obj"; empty: it has none.

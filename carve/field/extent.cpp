@@ -2,6 +2,7 @@
 
 #include "carve/base/failure.h"
 #include "carve/base/limits.h"
+#include "carve/base/words.h"
 #include "carve/field/same_transform.h"
 
 #include <fmt/format.h>
@@ -49,9 +50,8 @@ std::uint64_t voxels_in(const CoordBBox& box) {
 
 std::string span_text(const CoordBBox& box) {
     const auto [x, y, z] = extents_of(box);
-    return fmt::format("[{}, {}, {}] to [{}, {}, {}]: {} x {} x {} voxels", box.min().x(),
-                       box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z(), x,
-                       y, z);
+    return fmt::format("[{}] to [{}]: {} x {} x {} voxels", numbers_text(box.min()),
+                       numbers_text(box.max()), x, y, z);
 }
 
 CoordBBox padded(const CoordBBox& box, int voxels) {
@@ -83,11 +83,10 @@ CoordBBox voxels_around(const openvdb::BBoxd& world, const openvdb::math::Transf
     if (!world.min().isFinite() || !world.max().isFinite() || !is_near(box.min()) ||
         !is_near(box.max()))
         throw Failure(
-            fmt::format("{} reaches from [{:.6g}, {:.6g}, {:.6g}] to [{:.6g}, {:.6g}, {:.6g}], "
-                        "counted in {}; {} is the farthest: check the units of "
-                        "both, or resample the grid",
-                        what, box.min().x(), box.min().y(), box.min().z(), box.max().x(),
-                        box.max().y(), box.max().z(), place_text(transform), farthest_voxel));
+            fmt::format("{} reaches from [{}] to [{}], counted in {}; {} is the "
+                        "farthest: check the units of both, or resample the grid",
+                        what, numbers_text(box.min()), numbers_text(box.max()),
+                        place_text(transform), farthest_voxel));
     return {Coord::floor(box.min()), Coord::ceil(box.max())};
 }
 

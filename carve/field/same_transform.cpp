@@ -1,6 +1,7 @@
 #include "carve/field/same_transform.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/words.h"
 
 #include <fmt/format.h>
 
@@ -58,8 +59,8 @@ bool same_voxels(const openvdb::math::Transform& a, const openvdb::math::Transfo
 std::string place_text(const openvdb::math::Transform& transform) {
     const auto size = transform.voxelSize();
     const auto origin = transform.indexToWorld(openvdb::Vec3d(0));
-    return fmt::format("voxels of {:.6g} x {:.6g} x {:.6g}, the first at [{:.6g}, {:.6g}, {:.6g}]",
-                       size.x(), size.y(), size.z(), origin.x(), origin.y(), origin.z());
+    return fmt::format("voxels of {:.6g} x {:.6g} x {:.6g}, the first at [{}]", size.x(), size.y(),
+                       size.z(), numbers_text(origin));
 }
 
 void require_same_transform(const std::string& what, const openvdb::GridBase& first,

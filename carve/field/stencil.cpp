@@ -1,6 +1,7 @@
 #include "carve/field/stencil.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/words.h"
 #include "carve/field/same_transform.h"
 
 #include <fmt/format.h>
@@ -32,15 +33,15 @@ template <class Grid>
         if (all)
             throw Failure(
                 fmt::format("grid '{}' has values of up to {:.3g}, so large that what is computed "
-                            "from them at voxel [{}, {}, {}] has no number: make "
-                            "them smaller with field.ax",
-                            grid.getName(), most, beside.x(), beside.y(), beside.z()));
+                            "from them at voxel [{}] has no number: make them "
+                            "smaller with field.ax",
+                            grid.getName(), most, numbers_text(beside)));
     }
     const auto at = lowest.value_or(beside);
     throw Failure(
-        fmt::format("grid '{}' has a value that is not finite (NaN or infinite) {} voxel [{}, {}, "
-                    "{}]; repair it where it comes from",
-                    grid.getName(), lowest ? "at" : "next to", at.x(), at.y(), at.z()));
+        fmt::format("grid '{}' has a value that is not finite (NaN or infinite) {} voxel [{}]; "
+                    "repair it where it comes from",
+                    grid.getName(), lowest ? "at" : "next to", numbers_text(at)));
 }
 
 }  // namespace

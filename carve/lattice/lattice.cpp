@@ -1,5 +1,6 @@
 #include "carve/lattice/lattice.h"
 
+#include "carve/base/words.h"
 #include "carve/lattice/polar.h"
 
 #include <fmt/format.h>
@@ -53,9 +54,9 @@ Lattice box_of(const Vec3d& first, const std::array<int, 3>& shape, double spaci
         out.planes.push_back(
             {first + spacing * k * directions[2], directions[0], directions[1], directions[2]});
     const auto last = out.position(Vec3d(shape[0] - 1, shape[1] - 1, shape[2] - 1));
-    out.description = fmt::format(
-        "box of {} x {} x {} vertices from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}), {}", shape[0],
-        shape[1], shape[2], first.x(), first.y(), first.z(), last.x(), last.y(), last.z(), steps);
+    out.description =
+        fmt::format("box of {} x {} x {} vertices from ({}) to ({}), {}", shape[0], shape[1],
+                    shape[2], numbers_text(first), numbers_text(last), steps);
     out.hash = lattice_hash(out);
     return out;
 }
@@ -137,12 +138,10 @@ Lattice make_box(const Vec3d& first, const std::array<int, 3>& shape, double spa
 Lattice make_box(const Vec3d& first, const std::array<int, 3>& shape,
                  const std::array<Vec3d, 3>& steps) {
     const double spacing = steps[0].length();
-    const auto text = [](const Vec3d& step) {
-        return fmt::format("({:g}, {:g}, {:g})", step.x(), step.y(), step.z());
-    };
     return box_of(first, shape, spacing,
                   {steps[0] / spacing, steps[1] / spacing, steps[2] / spacing},
-                  fmt::format("steps {}, {}, {}", text(steps[0]), text(steps[1]), text(steps[2])));
+                  fmt::format("steps ({}), ({}), ({})", numbers_text(steps[0]),
+                              numbers_text(steps[1]), numbers_text(steps[2])));
 }
 
 }  // namespace fluidcarve

@@ -2,6 +2,7 @@
 
 #include "carve/base/failure.h"
 #include "carve/base/values.h"
+#include "carve/base/words.h"
 #include "carve/field/extent.h"
 #include "carve/field/same_transform.h"
 
@@ -46,9 +47,9 @@ Up up_of(const FloatGrid& grid, const Vec3d& direction) {
         if (std::abs(along) > 1 - 1e-9) return {axis, along > 0 ? 1 : -1, step.length()};
     }
     throw Failure(
-        fmt::format("'up' ({:g}, {:g}, {:g}) runs along no axis of the voxels of grid '{}'; choose "
-                    "one that does, or resample the grid",
-                    direction.x(), direction.y(), direction.z(), grid.getName()));
+        fmt::format("'up' ({}) runs along no axis of the voxels of grid '{}'; choose one "
+                    "that does, or resample the grid",
+                    numbers_text(direction), grid.getName()));
 }
 
 /// Computes the mask in one line of leaves along `up`, from the top down.

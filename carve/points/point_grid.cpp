@@ -1,6 +1,7 @@
 #include "carve/points/point_grid.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/words.h"
 #include "carve/field/extent.h"
 
 #include <fmt/format.h>
@@ -218,9 +219,7 @@ public:
     const Refuse refuse;
 
 private:
-    static std::string place_of(const Coord& at) {
-        return fmt::format("[{}, {}, {}]", at.x(), at.y(), at.z());
-    }
+    static std::string place_of(const Coord& at) { return fmt::format("[{}]", numbers_text(at)); }
 
     /// @param stride  of the attribute in the first leaf
     void require_values(const Leaf& leaf, const AttributeArray& array, Index stride) const {

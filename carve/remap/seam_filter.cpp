@@ -1,6 +1,7 @@
 #include "carve/remap/seam_filter.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/words.h"
 #include "carve/remap/voxels/blend.h"
 #include "carve/remap/voxels/blocks.h"
 #include "carve/remap/voxels/places.h"
@@ -219,9 +220,9 @@ openvdb::GridBase::ConstPtr filtered(const openvdb::GridBase::ConstPtr& base,
     if (const auto& at = not_finite.get())
         throw Failure(
             fmt::format("grid '{}' has a value that is not finite (NaN or infinite) within {} "
-                        "voxels of [{}, {}, {}], which lies along a seam; "
-                        "repair it where it comes from",
-                        base->getName(), filter.reach(), at->x(), at->y(), at->z()));
+                        "voxels of [{}], which lies along a seam; repair it where it "
+                        "comes from",
+                        base->getName(), filter.reach(), numbers_text(*at)));
     return out;
 }
 

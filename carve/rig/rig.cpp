@@ -1,5 +1,7 @@
 #include "carve/rig/rig.h"
 
+#include "carve/base/words.h"
+
 #include <fmt/format.h>
 #include <openvdb/math/BBox.h>
 
@@ -65,9 +67,7 @@ Region region_of(const Rig& rig) {
     return out;
 }
 
-std::string to_text(const Vec3d& position) {
-    return fmt::format("({:g}, {:g}, {:g})", position.x(), position.y(), position.z());
-}
+std::string to_text(const Vec3d& position) { return fmt::format("({})", numbers_text(position)); }
 
 std::string to_text(const Rig& rig) {
     if (rig.oval) {

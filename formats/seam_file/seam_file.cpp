@@ -1,6 +1,7 @@
 #include "formats/seam_file/seam_file.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/words.h"
 #include "formats/seam_file/seam_checksum.h"
 #include "formats/seam_file/seam_metadata.h"
 #include "formats/seam_file/warp_file.h"
@@ -27,7 +28,7 @@ constexpr const char* checksum_name = "fluidcarve_checksum";
 
 std::string seam_name(std::size_t n) { return fmt::format("seam.{:04}", n); }
 std::string pair_name(std::size_t n) { return seam_name(n) + ".pair"; }
-std::string place(const Coord& at) { return fmt::format("({}, {}, {})", at.x(), at.y(), at.z()); }
+std::string place(const Coord& at) { return fmt::format("({})", numbers_text(at)); }
 
 /// Where the entry of a column stands in a grid.
 Coord place_of(const Seams& seams, int lateral, int slice, int layer) {

@@ -1,5 +1,6 @@
 #include "formats/seam_file/warp_file.h"
 
+#include "carve/base/words.h"
 #include "formats/seam_file/seam_metadata.h"
 
 #include <fmt/format.h>
@@ -63,9 +64,8 @@ void require_points(const std::vector<FloatGrid::ConstPtr>& grids,
             voxels != count || grid->evalActiveVoxelBoundingBox() != wanted)
             throw wrong_seams(
                 fmt::format("grid '{}' has {} active voxels, but must have the {} points from (0, "
-                            "0, 0) to ({}, {}, {}), by the shape and the factor",
-                            grid->getName(), voxels, count, wanted.max().x(), wanted.max().y(),
-                            wanted.max().z()));
+                            "0, 0) to ({}), by the shape and the factor",
+                            grid->getName(), voxels, count, numbers_text(wanted.max())));
     }
     if (count > (always_allowed + most_per_byte * held) / (grids.size() * sizeof(float)))
         throw wrong_seams(
@@ -81,9 +81,8 @@ void read_values(const FloatGrid& grid, const std::array<int, 3>& points, std::s
     for (auto value = grid.cbeginValueOn(); value; ++value) {
         const auto box = value.getBoundingBox();
         if (!std::isfinite(*value))
-            throw wrong_seams(fmt::format("grid '{}' has {} at ({}, {}, {}), which is not finite",
-                                          grid.getName(), *value, box.min().x(), box.min().y(),
-                                          box.min().z()));
+            throw wrong_seams(fmt::format("grid '{}' has {} at ({}), which is not finite",
+                                          grid.getName(), *value, numbers_text(box.min())));
         for (int k = box.min().z(); k <= box.max().z(); ++k)
             for (int lateral = box.min().y(); lateral <= box.max().y(); ++lateral)
                 std::fill_n(

@@ -1,6 +1,7 @@
 #include "nodes/expression/evaluate.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/words.h"
 #include "carve/field/collocate.h"
 #include "carve/field/lowest_wrong.h"
 #include "carve/field/same_transform.h"
@@ -97,8 +98,7 @@ FloatGrid::Ptr evaluated(const ExpressionModule& module, const CompiledExpressio
     module.run(program, grids, *out);
     if (const auto wrong = lowest_wrong(*out, least))
         throw Failure(fmt::format(
-            "@{} is {} at voxel [{}, {}, {}]; {}", output, wrong->value, wrong->at.x(),
-            wrong->at.y(), wrong->at.z(),
+            "@{} is {} at voxel [{}]; {}", output, wrong->value, numbers_text(wrong->at),
             std::isfinite(wrong->value)
                 ? fmt::format("it must be at least {}: use max(..., {}) or abs(...)", least, least)
                 : "guard divisions, roots and logarithms against inputs such as 0 or negative "

@@ -1,5 +1,6 @@
 #include "nodes/python/grid_script.h"
 
+#include "carve/base/words.h"
 #include "carve/field/lowest_wrong.h"
 #include "graph/text/base64.h"
 #include "graph/types/context.h"
@@ -67,8 +68,8 @@ FloatGrid::Ptr GridScript::numbers(const GridScriptParams& params, const std::st
     if (out.good) return out.grid;
     if (const auto wrong = lowest_wrong(*out.grid, least))
         throw Failure(fmt::format(
-            "{}: {} returned {} at voxel [{}, {}, {}]; {}", params.script.at(0), function,
-            wrong->value, wrong->at.x(), wrong->at.y(), wrong->at.z(),
+            "{}: {} returned {} at voxel [{}]; {}", params.script.at(0), function, wrong->value,
+            numbers_text(wrong->at),
             std::isfinite(wrong->value)
                 ? fmt::format("it must be at least {0}: use numpy.maximum(..., {0}) or abs(...)",
                               least)

@@ -1,5 +1,6 @@
 #include "nodes/solving/warp_report.h"
 
+#include "carve/base/words.h"
 #include "nodes/params/param_forms.h"
 
 #include <fmt/format.h>
@@ -54,7 +55,7 @@ std::string no_room_text(const NoRoom& none, const WarpParams& params, const Sea
         const auto vertex = vertex_of(params.axis, window.first, none.lateral, none.k);
         const auto at = space.lattices()[space.place(none.t)]->position(
             openvdb::Vec3d(vertex[0], vertex[1], vertex[2]));
-        place += fmt::format(", which begins at ({:g}, {:g}, {:g}),", at.x(), at.y(), at.z());
+        place += fmt::format(", which begins at ({}),", numbers_text(at));
     }
     return fmt::format(
         "{}window [{}, {}]: {}: {} column {} has {} of {} intervals that are not protected, "

@@ -1,5 +1,6 @@
 #include "tools/compare/grids.h"
 
+#include "carve/base/words.h"
 #include "carve/field/same_transform.h"
 #include "carve/points/point_grid.h"
 #include "carve/stream/raw_grid.h"
@@ -61,8 +62,7 @@ std::vector<double> numbers(const T& value) {
 template <class T>
 std::string text(const T& value) {
     const auto all = numbers(value);
-    return all.size() == 1 ? fmt::format("{:g}", all[0])
-                           : fmt::format("[{:g}, {:g}, {:g}]", all[0], all[1], all[2]);
+    return all.size() == 1 ? fmt::format("{:g}", all[0]) : fmt::format("[{}]", numbers_text(all));
 }
 
 /// A value of a grid, and whether it is active.

@@ -1,6 +1,7 @@
 #include "carve/solver/costs/sample.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/words.h"
 #include "carve/field/extent.h"
 #include "carve/field/leaf_cell.h"
 #include "carve/lattice/alignment.h"
@@ -285,8 +286,7 @@ public:
             const auto world = lattice_.position(Vec3d(at[0], at[1], at[2]));
             throw Failure(
                 fmt::format(fmt::runtime(Code::what), value,
-                            fmt::format("({:g}, {:g}, {:g}), vertex ({}, {}, {})", world.x(),
-                                        world.y(), world.z(), at[0], at[1], at[2]),
+                            fmt::format("({}), vertex ({})", numbers_text(world), numbers_text(at)),
                             Code::least(), Code::most()));
         }
     }

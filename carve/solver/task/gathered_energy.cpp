@@ -1,7 +1,7 @@
 #include "carve/solver/task/gathered_energy.h"
 
 #include "carve/base/failure.h"
-#include "carve/base/region.h"
+#include "carve/base/words.h"
 #include "carve/field/active_range.h"
 #include "carve/simd/wide.h"
 #include "carve/solver/costs/carve.h"
@@ -67,8 +67,7 @@ FLUIDCARVE_WIDE void expand(std::uint16_t& lowest, std::uint16_t& highest,
 }
 
 std::string box_text(const openvdb::BBoxd& box) {
-    const auto &low = box.min(), &high = box.max();
-    return to_text(Region::Box{{low.x(), low.y(), low.z()}, {high.x(), high.y(), high.z()}});
+    return fmt::format("({}) to ({})", numbers_text(box.min()), numbers_text(box.max()));
 }
 
 }  // namespace

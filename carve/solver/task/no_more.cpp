@@ -1,5 +1,7 @@
 #include "carve/solver/task/no_more.h"
 
+#include "carve/base/words.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -30,10 +32,9 @@ openvdb::Vec3d original_vertex(const std::vector<CarveStep>& steps, openvdb::Vec
 /// @param vertex  without such a frame
 std::string where_no_frame(const NoSeam& none, const SeamTask::Part& part,
                            const std::array<int, 3>& vertex, const CarvedSpace& space) {
-    const auto [i, j, k] = vertex;
-    const auto at = space.lattices().front()->position(openvdb::Vec3d(i, j, k));
-    const auto shown =
-        fmt::format("vertex ({}, {}, {}), at ({:g}, {:g}, {:g}),", i, j, k, at.x(), at.y(), at.z());
+    const auto at =
+        space.lattices().front()->position(openvdb::Vec3d(vertex[0], vertex[1], vertex[2]));
+    const auto shown = fmt::format("vertex ({}), at ({}),", numbers_text(vertex), numbers_text(at));
     return fmt::format(
         "{}window [{}, {}]: {}", part.prefix(), part.window.first, part.window.last,
         none.at.free == 0
@@ -62,7 +63,7 @@ std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamTa
         const auto vertex = vertex_of(task.axis, entry, lateral, k);
         const auto at = lattice.position(
             original_vertex(before.steps(), openvdb::Vec3d(vertex[0], vertex[1], vertex[2])));
-        return fmt::format("({:g}, {:g}, {:g})", at.x(), at.y(), at.z());
+        return fmt::format("({})", numbers_text(at));
     };
     const int last = window.first + none.found + none.at.vertices - 1;
     const auto span = fmt::format("{} to {}", window.first, last);
