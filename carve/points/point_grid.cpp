@@ -1,12 +1,12 @@
 #include "carve/points/point_grid.h"
 
+#include "carve/base/each_in_parallel.h"
 #include "carve/base/failure.h"
 #include "carve/base/words.h"
 #include "carve/field/extent.h"
 
 #include <fmt/format.h>
 #include <openvdb/points/PointDataGrid.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <bit>
@@ -47,10 +47,7 @@ struct Leaves {
     /// Calls `visit(leaf, index of the leaf)` for all leaves, in parallel.
     template <class Visit>
     void each(const Visit& visit) const {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, all.size()),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (auto n = range.begin(); n < range.end(); ++n) visit(*all[n], n);
-                          });
+        each_in_parallel(all.size(), 1, [&](std::size_t n) { visit(*all[n], n); });
     }
 };
 
@@ -318,15 +315,11 @@ openvdb::GridBase::ConstPtr with_images(const openvdb::GridBase& grid,
     auto gathered = gather(grid, leaves, images);
     std::vector<std::unique_ptr<Leaf>> made_leaves(gathered.size());
     const AttributeArray::ScopedRegistryLock lock;
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, gathered.size()),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-            for (auto n = range.begin(); n < range.end(); ++n)
-                made_leaves[n] =
-                    unchanged(gathered[n], leaves)
-                        ? std::make_unique<Leaf>(*leaves.all[gathered[n].points.front().leaf])
-                        : made(gathered[n], leaves, lock);
-        });
+    each_in_parallel(gathered.size(), 1, [&](std::size_t n) {
+        made_leaves[n] = unchanged(gathered[n], leaves)
+                             ? std::make_unique<Leaf>(*leaves.all[gathered[n].points.front().leaf])
+                             : made(gathered[n], leaves, lock);
+    });
     const auto tree = std::make_shared<PointDataTree>(as_points(grid).background());
     for (auto& leaf : made_leaves) tree->addLeaf(leaf.release());
     // Share the transform: a copy of a map computes its inverse again.

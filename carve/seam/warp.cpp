@@ -1,7 +1,8 @@
 #include "carve/seam/warp.h"
 
+#include "carve/base/each_in_parallel.h"
+
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -122,14 +123,11 @@ void Warp::anchor_at(const Anchor& anchor) {
     };
     for (std::size_t t = 0; t < frames(); ++t) {
         const auto all = values(t);
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, all.size() / row, 64),
-                          [&](const tbb::blocked_range<std::size_t>& columns) {
-                              for (auto c = columns.begin(); c < columns.end(); ++c) {
-                                  const auto column = all.subspan(c * row, row);
-                                  const float shift = held(column);
-                                  for (auto& value : column) value -= shift;
-                              }
-                          });
+        each_in_parallel(all.size() / row, 64, [&](std::size_t c) {
+            const auto column = all.subspan(c * row, row);
+            const float shift = held(column);
+            for (auto& value : column) value -= shift;
+        });
     }
 }
 

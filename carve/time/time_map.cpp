@@ -1,5 +1,6 @@
 #include "carve/time/time_map.h"
 
+#include "carve/base/each_in_parallel.h"
 #include "carve/base/failure.h"
 #include "carve/points/point_vectors.h"
 #include "carve/time/between.h"
@@ -7,7 +8,6 @@
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +17,9 @@
 namespace fluidcarve {
 
 namespace {
+
+/// Vertices that one thread takes.
+constexpr std::size_t vertices_at_once = 4096;
 
 /// Converts seams of frames to seams along u: time takes the place of u, and each vertex along u
 /// the place of a frame.
@@ -53,15 +56,6 @@ std::vector<float> weights_of(int fade) {
     return out;
 }
 
-/// Calls `visit(vertex)` for all vertices, in parallel.
-template <class Visit>
-void each_vertex(std::size_t vertices, const Visit& visit) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 4096),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (auto c = range.begin(); c < range.end(); ++c) visit(c);
-                      });
-}
-
 /// Of each place in the source, how many vertices show it now, and whether any does soon.
 struct ShownPlaces {
     std::vector<std::size_t> now;
@@ -74,7 +68,7 @@ ShownPlaces shown_places(std::size_t vertices, std::size_t places, int fade,
                          const PlaceAt& place_at) {
     ShownPlaces out{std::vector<std::size_t>(places), std::vector<char>(places)};
     tbb::enumerable_thread_specific<ShownPlaces> counts(out);
-    each_vertex(vertices, [&](std::size_t c) {
+    each_in_parallel(vertices, vertices_at_once, [&](std::size_t c) {
         auto& count = counts.local();
         ++count.now[place_at(c, 0)];
         for (int m = 1 - fade; m < fade; ++m) count.soon[place_at(c, m)] = 1;
@@ -128,19 +122,15 @@ TimeMap::Moments TimeMap::moments(int n) const {
     const auto weights = weights_of(fade);
     Moments out;
     out.at.resize(vertices());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, out.at.size(), 4096),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (auto c = range.begin(); c < range.end(); ++c) {
-                              // Sums differences from the present frame, so that whole moments
-                              // stay whole.
-                              const int now = source_of(c, n);
-                              float sum = 0;
-                              for (int m = 1 - fade; m < fade; ++m)
-                                  sum += weights[static_cast<std::size_t>(m + fade - 1)] *
-                                         static_cast<float>(source_of(c, n, m) - now);
-                              out.at[c] = static_cast<float>(now) + sum;
-                          }
-                      });
+    each_in_parallel(out.at.size(), vertices_at_once, [&](std::size_t c) {
+        // Sums differences from the present frame, so that whole moments stay whole.
+        const int now = source_of(c, n);
+        float sum = 0;
+        for (int m = 1 - fade; m < fade; ++m)
+            sum += weights[static_cast<std::size_t>(m + fade - 1)] *
+                   static_cast<float>(source_of(c, n, m) - now);
+        out.at[c] = static_cast<float>(now) + sum;
+    });
     auto sorted = out.at;
     const auto middle = sorted.begin() + std::ssize(sorted) / 2;
     std::ranges::nth_element(sorted, middle);
@@ -168,7 +158,7 @@ std::vector<TimeMap::Seen> TimeMap::seen(int n) const {
         if (before <= vertices() / 2 && before + now > vertices() / 2) out.back().outside = 1;
         before += now;
     }
-    each_vertex(vertices(), [&](std::size_t c) {
+    each_in_parallel(vertices(), vertices_at_once, [&](std::size_t c) {
         for (int m = 1 - fade; m < fade; ++m)
             out[index[place_at(c, m)]].share[c] += weights[static_cast<std::size_t>(m + fade - 1)];
     });

@@ -1,10 +1,10 @@
 #include "carve/warp/find_warp.h"
 
+#include "carve/base/each_in_parallel.h"
 #include "carve/solver/costs/code.h"
 #include "carve/warp/weights.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -69,10 +69,7 @@ float share_of(const WarpTask& task, const Warp& warp, std::size_t t, std::size_
 template <class Work>
 void each_column(const Warp& warp, const Work& work) {
     for (std::size_t t = 0; t < warp.frames(); ++t)
-        tbb::parallel_for(ColumnRange(0, columns_of(warp), columns_per_task),
-                          [&](const ColumnRange& range) {
-                              for (auto c = range.begin(); c < range.end(); ++c) work(t, c);
-                          });
+        each_in_parallel(columns_of(warp), columns_per_task, [&](std::size_t c) { work(t, c); });
 }
 
 /// A warp that is being found.

@@ -1,5 +1,6 @@
 #include "nodes/python/shared_grids.h"
 
+#include "carve/base/each_in_parallel.h"
 #include "carve/base/words.h"
 #include "carve/field/collocate.h"
 #include "carve/field/dense.h"
@@ -274,28 +275,25 @@ void SharedGrids::Numbers::take(Worker& worker, const Part& part) {
     // Leaves are filled before they join the tree: a copy of the topology would fill them with its
     // background first.
     std::vector<std::unique_ptr<FloatLeaf>> made(count);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const auto& range) {
-        for (auto n = range.begin(); n != range.end(); ++n) {
-            const auto& like = *grids_.leaves_[part.leaves[n]];
-            if (!part.wants(like.origin())) continue;
-            const auto& mask = like.valueMask();
-            made[n] =
-                std::make_unique<FloatLeaf>(openvdb::PartialCreate(), like.origin(), 0.0f, false);
-            made[n]->allocate();
-            made[n]->setValueMask(mask);
-            auto* const to = made[n]->buffer().data();
-            std::copy_n(data + n * leaf_voxels, leaf_voxels, to);
-            for (auto off = mask.beginOff(); off; ++off) to[off.pos()] = 0;
-            bool wrong = false;
-            if (mask.isOn()) {
-                for (std::size_t voxel = 0; voxel < leaf_voxels; ++voxel)
-                    wrong |= !(to[voxel] >= from && to[voxel] <= most);
-            } else {
-                for (auto on = mask.beginOn(); on; ++on)
-                    wrong |= !(to[on.pos()] >= from && to[on.pos()] <= most);
-            }
-            if (wrong) good = false;
+    each_in_parallel(count, 1, [&](std::size_t n) {
+        const auto& like = *grids_.leaves_[part.leaves[n]];
+        if (!part.wants(like.origin())) return;
+        const auto& mask = like.valueMask();
+        made[n] = std::make_unique<FloatLeaf>(openvdb::PartialCreate(), like.origin(), 0.0f, false);
+        made[n]->allocate();
+        made[n]->setValueMask(mask);
+        auto* const to = made[n]->buffer().data();
+        std::copy_n(data + n * leaf_voxels, leaf_voxels, to);
+        for (auto off = mask.beginOff(); off; ++off) to[off.pos()] = 0;
+        bool wrong = false;
+        if (mask.isOn()) {
+            for (std::size_t voxel = 0; voxel < leaf_voxels; ++voxel)
+                wrong |= !(to[voxel] >= from && to[voxel] <= most);
+        } else {
+            for (auto on = mask.beginOn(); on; ++on)
+                wrong |= !(to[on.pos()] >= from && to[on.pos()] <= most);
         }
+        if (wrong) good = false;
     });
     for (auto& leaf : made)
         if (leaf) grid->tree().addLeaf(leaf.release());

@@ -1,10 +1,10 @@
 #include "carve/remap/geometry/mesh.h"
 
+#include "carve/base/each_in_parallel.h"
 #include "carve/lattice/mapping.h"
 #include "carve/seam/carve_inverse.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -39,18 +39,13 @@ CarvedMesh carve_mesh(const Mesh& mesh, const Lattice& lattice, const CarveMap& 
     CarvedMesh out{mesh, {}, {}};
     const Mapping mapping(map.extended(lattice));
     std::vector<VertexMove> ways(mesh.points.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ways.size(), 1024),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (auto n = range.begin(); n < range.end(); ++n) {
-                              const auto from = mapping.locate(mesh.points[n]);
-                              if (!from) continue;
-                              const auto to = carved_coordinates(map, *from);
-                              ways[n] = {true, to - *from};
-                              if (to != *from)
-                                  out.mesh.points[n] +=
-                                      mapping.position(to) - mapping.position(*from);
-                          }
-                      });
+    each_in_parallel(ways.size(), 1024, [&](std::size_t n) {
+        const auto from = mapping.locate(mesh.points[n]);
+        if (!from) return;
+        const auto to = carved_coordinates(map, *from);
+        ways[n] = {true, to - *from};
+        if (to != *from) out.mesh.points[n] += mapping.position(to) - mapping.position(*from);
+    });
 
     std::size_t stretched = 0, torn = 0;
     for (std::size_t n = 0; n < mesh.faces(); ++n) {

@@ -1,5 +1,6 @@
 #include "carve/remap/voxels/blocks.h"
 
+#include "carve/base/each_in_parallel.h"
 #include "carve/field/extent.h"
 #include "carve/volume/grid_types.h"
 
@@ -145,11 +146,8 @@ auto kept_leaves(const GridT& grid, const BlockChanges<GridT>& changes) {
     for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf)
         if (!changes.holds(leaf->origin())) kept.push_back(&*leaf);
     std::vector<std::unique_ptr<Leaf>> copies(kept.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, kept.size(), 64),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (auto n = range.begin(); n < range.end(); ++n)
-                              copies[n] = std::make_unique<Leaf>(*kept[n]);
-                      });
+    each_in_parallel(kept.size(), 64,
+                     [&](std::size_t n) { copies[n] = std::make_unique<Leaf>(*kept[n]); });
     return copies;
 }
 

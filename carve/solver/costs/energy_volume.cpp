@@ -1,5 +1,6 @@
 #include "carve/solver/costs/energy_volume.h"
 
+#include "carve/base/each_in_parallel.h"
 #include "carve/solver/costs/decode.h"
 
 #include <tbb/parallel_for.h>
@@ -40,12 +41,10 @@ void EnergyVolume::add_field(float weight, const Limits& limits) {
 std::vector<std::uint16_t> EnergyVolume::field_codes(std::size_t t) const {
     const auto columns = columns_per_frame();
     std::vector<std::uint16_t> out(columns * stride_);
-    tbb::parallel_for(ColumnRange(0, columns, 4096), [&](const ColumnRange& range) {
-        for (auto c = range.begin(); c < range.end(); ++c) {
-            const auto& run = field(t * columns + c);
-            std::copy_n(run.codes, run.end - run.first,
-                        out.begin() + static_cast<std::ptrdiff_t>(c * stride_) + run.first);
-        }
+    each_in_parallel(columns, 4096, [&](std::size_t c) {
+        const auto& run = field(t * columns + c);
+        std::copy_n(run.codes, run.end - run.first,
+                    out.begin() + static_cast<std::ptrdiff_t>(c * stride_) + run.first);
     });
     return out;
 }
@@ -93,14 +92,11 @@ void EnergyVolume::set_edges(std::size_t column, int first, int last) {
 
 void EnergyVolume::count_edges(const Limits& limits) {
     field_->add_energies(limits);
-    tbb::parallel_for(
-        ColumnRange(0, columns_per_frame() * frames(), 4096), [&](const ColumnRange& range) {
-            for (auto c = range.begin(); c < range.end(); ++c) {
-                const auto& run = field(c);
-                std::copy_n(codes_of(c) + run.first, run.end - run.first, run.energies);
-                set_edges(c, 0, width_ - 1);
-            }
-        });
+    each_in_parallel(columns_per_frame() * frames(), 4096, [&](std::size_t c) {
+        const auto& run = field(c);
+        std::copy_n(codes_of(c) + run.first, run.end - run.first, run.energies);
+        set_edges(c, 0, width_ - 1);
+    });
 }
 
 void EnergyVolume::find_marks() {
@@ -220,18 +216,15 @@ void EnergyVolume::remove(std::span<const std::uint16_t> at, Window window) {
         std::memmove(column + entry, column + entry + 1,
                      (static_cast<std::size_t>(width_) - entry) * sizeof(*column));
     };
-    tbb::parallel_for(ColumnRange(0, columns * frames(), 4096), [&](const ColumnRange& range) {
-        for (auto c = range.begin(); c < range.end(); ++c) {
-            if (spread_ > 0) hand_on(c, at[c], window);
-            if (summed()) close(sums_.data() + c * stride_, at[c]);
-            else close(codes_of(c), at[c]);
-            if (!energies_.empty()) close(energies_.data() + c * stride_, at[c]);
-            if (field_) field_->runs()[c].remove(at[c], width_, codes_of(c));
-            // Update the entries that got energy or a new neighbour.
-            if (edges_counted())
-                set_edges(c, std::max(at[c] - 1 - spread_, 0),
-                          std::min(at[c] + spread_, width_ - 1));
-        }
+    each_in_parallel(columns * frames(), 4096, [&](std::size_t c) {
+        if (spread_ > 0) hand_on(c, at[c], window);
+        if (summed()) close(sums_.data() + c * stride_, at[c]);
+        else close(codes_of(c), at[c]);
+        if (!energies_.empty()) close(energies_.data() + c * stride_, at[c]);
+        if (field_) field_->runs()[c].remove(at[c], width_, codes_of(c));
+        // Update the entries that got energy or a new neighbour.
+        if (edges_counted())
+            set_edges(c, std::max(at[c] - 1 - spread_, 0), std::min(at[c] + spread_, width_ - 1));
     });
 }
 

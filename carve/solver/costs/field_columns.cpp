@@ -1,8 +1,7 @@
 #include "carve/solver/costs/field_columns.h"
 
+#include "carve/base/each_in_parallel.h"
 #include "carve/solver/costs/decode.h"
-
-#include <tbb/parallel_for.h>
 
 #include <utility>
 
@@ -82,11 +81,8 @@ FieldColumns::FieldColumns(std::size_t frames, std::size_t columns, int width, c
 void FieldColumns::set(std::size_t t, std::span<const std::uint16_t> codes) {
     const auto runs = std::span(runs_).subspan(t * columns_, codes.size() / width_);
     const auto for_columns = [&](const auto& call) {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, runs.size(), columns_at_once),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (auto c = range.begin(); c < range.end(); ++c)
-                                  call(runs[c], codes.subspan(c * width_, width_));
-                          });
+        each_in_parallel(runs.size(), columns_at_once,
+                         [&](std::size_t c) { call(runs[c], codes.subspan(c * width_, width_)); });
     };
     for_columns([](FieldRun& run, std::span<const std::uint16_t> column) { run = run_in(column); });
     for (const auto end = t + runs.size() / columns_; t < end; ++t)

@@ -1,10 +1,10 @@
 #include "carve/solver/costs/prices.h"
 
+#include "carve/base/each_in_parallel.h"
 #include "carve/base/failure.h"
 #include "carve/solver/costs/summed_over.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -82,20 +82,16 @@ void set_prices(EnergyVolume& energy, const Typical& typical, const Prices& pric
     energy.set_field_weight(static_cast<float>(prices.edges * typical.energy / typical.edge));
     const float most = decode_energy(highest_energy_code),
                 empty = unit * prices.empty * (2 + prices.edges);
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, energy.frames() * energy.columns_per_frame(), 256),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-            for (auto c = range.begin(); c < range.end(); ++c) {
-                auto* const codes = energy.codes(0).data() + c * energy.stride();
-                const auto& field = energy.field(c);
-                for (int entry = 0; entry < energy.width(); ++entry) {
-                    if (codes[entry] >= protected_code) continue;
-                    const bool content = std::abs(field.value(entry)) > typical.content;
-                    codes[entry] = encode_energy(
-                        std::min(decode_energy(codes[entry]) + (content ? unit : empty), most));
-                }
-            }
-        });
+    each_in_parallel(energy.frames() * energy.columns_per_frame(), 256, [&](std::size_t c) {
+        auto* const codes = energy.codes(0).data() + c * energy.stride();
+        const auto& field = energy.field(c);
+        for (int entry = 0; entry < energy.width(); ++entry) {
+            if (codes[entry] >= protected_code) continue;
+            const bool content = std::abs(field.value(entry)) > typical.content;
+            codes[entry] = encode_energy(
+                std::min(decode_energy(codes[entry]) + (content ? unit : empty), most));
+        }
+    });
 }
 
 }  // namespace fluidcarve

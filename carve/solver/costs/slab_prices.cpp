@@ -1,5 +1,6 @@
 #include "carve/solver/costs/slab_prices.h"
 
+#include "carve/base/each_in_parallel.h"
 #include "carve/base/failure.h"
 #include "carve/solver/costs/decode.h"
 #include "carve/solver/costs/prices.h"
@@ -268,21 +269,17 @@ void SlabPrices::set_empty(EnergyVolume& prices, const EnergyVolume& volume, int
                            float empty, std::span<const Taken> all_taken) const {
     const auto columns = prices.columns_per_frame();
     const int beside = overlap(thickness);
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, columns * prices.frames(), 256),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-            for (auto c = range.begin(); c < range.end(); ++c) {
-                const auto& field = volume.field(c);
-                auto* const to = prices.codes(c / columns).data() + c % columns * prices.stride();
-                int next = field.first, seen = -beside - 1;  // the last entry where something is
-                for (int entry = 0; entry < prices.width(); ++entry) {
-                    for (; next < std::min(field.end, entry + thickness + beside + 1); ++next)
-                        if (std::abs(field.value(next)) > content_) seen = next;
-                    if (seen < entry - beside && to[entry] <= highest_energy_code)
-                        to[entry] = kept_away(empty * unit(), c, entry, thickness, all_taken);
-                }
-            }
-        });
+    each_in_parallel(columns * prices.frames(), 256, [&](std::size_t c) {
+        const auto& field = volume.field(c);
+        auto* const to = prices.codes(c / columns).data() + c % columns * prices.stride();
+        int next = field.first, seen = -beside - 1;  // the last entry where something is
+        for (int entry = 0; entry < prices.width(); ++entry) {
+            for (; next < std::min(field.end, entry + thickness + beside + 1); ++next)
+                if (std::abs(field.value(next)) > content_) seen = next;
+            if (seen < entry - beside && to[entry] <= highest_energy_code)
+                to[entry] = kept_away(empty * unit(), c, entry, thickness, all_taken);
+        }
+    });
 }
 
 EnergyVolume SlabPrices::priced(const EnergyVolume& volume, int thickness, float empty,
@@ -300,22 +297,16 @@ EnergyVolume SlabPrices::priced(const EnergyVolume& volume, int thickness, float
     const auto columns = volume.columns_per_frame();
     for (std::size_t t = 0; t < volume.frames(); ++t) {
         frames[2] = t + 1 < volume.frames() ? frame(volume, thickness, t + 1) : frames[1];
-        tbb::parallel_for(
-            tbb::blocked_range<std::size_t>(0, columns, 256),
-            [&](const tbb::blocked_range<std::size_t>& range) {
-                for (auto c = range.begin(); c < range.end(); ++c) {
-                    const auto* const codes = volume.codes(t) + c * volume.stride();
-                    auto* const to = out.codes(t).data() + c * out.stride();
-                    write_slabs(
-                        codes, thickness, {to, static_cast<std::size_t>(slabs)}, [&](int entry) {
-                            const auto at = c * static_cast<std::size_t>(slabs) +
-                                            static_cast<std::size_t>(entry);
-                            const double price =
-                                (frames[0][at] + frames[1][at] + frames[2][at]) / 3.0;
-                            return kept_away(price, t * columns + c, entry, thickness, all_taken);
-                        });
-                }
+        each_in_parallel(columns, 256, [&](std::size_t c) {
+            const auto* const codes = volume.codes(t) + c * volume.stride();
+            auto* const to = out.codes(t).data() + c * out.stride();
+            write_slabs(codes, thickness, {to, static_cast<std::size_t>(slabs)}, [&](int entry) {
+                const auto at =
+                    c * static_cast<std::size_t>(slabs) + static_cast<std::size_t>(entry);
+                const double price = (frames[0][at] + frames[1][at] + frames[2][at]) / 3.0;
+                return kept_away(price, t * columns + c, entry, thickness, all_taken);
             });
+        });
         frames[0] = std::move(frames[1]);
         frames[1] = std::move(frames[2]);
     }

@@ -1,8 +1,7 @@
 #pragma once
 
+#include "carve/base/each_in_parallel.h"
 #include "carve/seam/window.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -33,15 +32,11 @@ struct Band {
     static Band around(std::span<const std::uint16_t> seam, int radius, Window window) {
         Band out{std::vector<Column>(seam.size())};
         const int size = std::min(2 * radius + 1, window.size());
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, seam.size(), 1 << 16),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (auto c = range.begin(); c < range.end(); ++c) {
-                                  const int first = std::clamp(seam[c] - radius, window.first,
-                                                               window.last + 1 - size);
-                                  out.columns[c] = {static_cast<std::uint16_t>(first),
-                                                    static_cast<std::uint16_t>(first + size - 1)};
-                              }
-                          });
+        each_in_parallel(seam.size(), 1 << 16, [&](std::size_t c) {
+            const int first = std::clamp(seam[c] - radius, window.first, window.last + 1 - size);
+            out.columns[c] = {static_cast<std::uint16_t>(first),
+                              static_cast<std::uint16_t>(first + size - 1)};
+        });
         return out;
     }
 };

@@ -1,6 +1,6 @@
 #include "carve/solver/search/deleted_entries.h"
 
-#include <tbb/parallel_for.h>
+#include "carve/base/each_in_parallel.h"
 
 #include <bit>
 
@@ -14,11 +14,9 @@ void mark(std::uint16_t& word, int bit) { word = static_cast<std::uint16_t>(word
 
 template <class Visit>
 void DeletedEntries::each(std::span<std::uint16_t> at, const Visit& visit) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, at.size(), 4096),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (auto c = range.begin(); c < range.end(); ++c)
-                              visit(store_.entries(0).subspan(c * words_, words_), at[c]);
-                      });
+    each_in_parallel(at.size(), 4096, [&](std::size_t c) {
+        visit(store_.entries(0).subspan(c * words_, words_), at[c]);
+    });
 }
 
 void DeletedEntries::to_original(std::span<std::uint16_t> at) {

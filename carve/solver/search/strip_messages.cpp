@@ -1,5 +1,6 @@
 #include "carve/solver/search/strip_messages.h"
 
+#include "carve/base/each_in_parallel.h"
 #include "carve/solver/search/protection.h"
 #include "carve/solver/search/row_pass.h"
 #include "carve/solver/search/wavefront.h"
@@ -132,12 +133,10 @@ StripMessages::StripMessages(Strip strip, Window window, const StripMessages& co
                              const KeptMemory& memory)
     : strip_(std::move(strip)), messages_(memory.array<ColumnMessages>(strip_.columns().count())) {
     const auto& few = coarse.strip_.columns();
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, few.count(), 256),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (auto c = range.begin(); c < range.end(); ++c)
-                              interpolate(coarse.strip_, coarse.messages_.data(), few.place(c),
-                                          strip_, window.first, messages_.data());
-                      });
+    each_in_parallel(few.count(), 256, [&](std::size_t c) {
+        interpolate(coarse.strip_, coarse.messages_.data(), few.place(c), strip_, window.first,
+                    messages_.data());
+    });
 }
 
 void StripMessages::pass(bool forward, const Origin& origin, const std::vector<std::uint16_t>& seam,
