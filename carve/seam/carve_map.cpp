@@ -35,7 +35,7 @@ void require_lattice(const Seams& seams, std::size_t t, const Lattice& lattice) 
             seams.lattice, hash, lattice.description, lattice.hash));
 }
 
-std::size_t place_of(int frame, const Seams& seams) {
+std::size_t frame_index(int frame, const Seams& seams) {
     const auto found = std::find(seams.frames.begin(), seams.frames.end(), frame);
     if (found == seams.frames.end())
         throw Failure(fmt::format("the seams do not hold frame {}; they hold {}", frame,
@@ -44,10 +44,6 @@ std::size_t place_of(int frame, const Seams& seams) {
 }
 
 }  // namespace
-
-CarveMap::CarveMap(const Lattice& lattice, const std::vector<Ref<Seams>>& sets, int frame,
-                   std::optional<std::size_t> count, const Softness& softness)
-    : CarveMap(lattice, sets, frame, count, std::vector<Softness>(sets.size(), softness)) {}
 
 CarveMap::CarveMap(const Lattice& lattice, const std::vector<Ref<Seams>>& sets, int frame,
                    std::optional<std::size_t> count, std::span<const Softness> softness)
@@ -71,7 +67,7 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<Ref<Seams>>& sets, 
     for (std::size_t d = 0; d < 3; ++d) reach_[d] += below_[d];
     for (std::size_t n = 0; n < sets.size(); ++n) {
         const auto& set = *sets[n];
-        const auto t = place_of(frame, set);
+        const auto t = frame_index(frame, set);
         require_lattice(set, t, lattice);
         if (set.shape != shape)
             throw Failure(fmt::format(

@@ -29,15 +29,12 @@ public:
     /// @param sets      in the order of carving
     /// @param frame     frame number
     /// @param count     number of seams used of the last set; nothing: all
-    /// @param softness  of seams; a warp is already smooth
+    /// @param softness  of the seams of each set; sets beyond the span get none. A warp is already
+    ///   smooth.
     /// @throws Failure if a set is of frames, belongs to another lattice or misses the frame, if
     ///   shapes do not chain, or if count is too high
     CarveMap(const Lattice& lattice, const std::vector<Ref<Seams>>& sets, int frame,
-             std::optional<std::size_t> count, const Softness& softness = {});
-
-    /// The same, with one softness per set; sets beyond the span get none.
-    CarveMap(const Lattice& lattice, const std::vector<Ref<Seams>>& sets, int frame,
-             std::optional<std::size_t> count, std::span<const Softness> softness);
+             std::optional<std::size_t> count, std::span<const Softness> softness = {});
 
     /// The lattice in whose index coordinates the map works: the given one, extended before its
     /// first vertices and behind its last plane as anchored insertions need.

@@ -70,8 +70,7 @@ CarveMap carve_map(const Lattice& lattice, const std::vector<Ref<Seams>>& seams,
                    const Auto<Count>& count, int frame, const JoinParams& join) {
     std::vector<Softness> softness;
     for (const auto& set : seams) softness.push_back(softness_of(join, *set));
-    return {lattice, seams, frame, seams_of(count, *seams.back()),
-            std::span<const Softness>(softness)};
+    return {lattice, seams, frame, seams_of(count, *seams.back()), softness};
 }
 
 }  // namespace fluidcarve

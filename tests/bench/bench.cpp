@@ -131,7 +131,8 @@ void bench_remap(const std::string& name, const FloatGrid::ConstPtr& grid, const
         const auto seams =
             std::make_shared<const Seams>(wandering(lattice, 12, evenly(lattice, 12)));
         return seconds(9, [&] {
-            carve_grid(grid, lattice, CarveMap(lattice, {seams}, 1, std::nullopt, softness),
+            carve_grid(grid, lattice,
+                       CarveMap(lattice, {seams}, 1, std::nullopt, std::vector{softness}),
                        Interpolation::linear);
         });
     };

@@ -49,7 +49,7 @@ FloatGrid::Ptr path_content(float (*value)(const Vec3d&)) {
 }
 
 CarveMap path_map(const Seams& seams, const Softness& softness = {}) {
-    return {helix_path, {std::make_shared<Seams>(seams)}, 1, {}, softness};
+    return {helix_path, {std::make_shared<Seams>(seams)}, 1, {}, std::vector{softness}};
 }
 
 Seams anchored_path(Seams seams, Anchor anchor) {
@@ -185,7 +185,7 @@ TEST_CASE(
         pairs.seams.push_back(straight_seam(pairs, out));
         pairs.pairs.push_back(straight_seam(pairs, in + n));
     }
-    const CarveMap map(round, {std::make_shared<Seams>(pairs)}, 1, {}, Softness{1, 0});
+    const CarveMap map(round, {std::make_shared<Seams>(pairs)}, 1, {}, std::vector{Softness{1, 0}});
     const auto got = carved<FloatGrid>(grid, round, map);
     const Mapping mapping(round);
     int stayed = 0, moved = 0;

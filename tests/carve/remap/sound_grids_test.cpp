@@ -35,7 +35,7 @@ CarveMap soft_map(const Lattice& lattice, Seams::Kind kind, double soft) {
             {std::make_shared<const Seams>(wavy_seams(lattice, Axis::u, kind, 28, 8, 2))},
             1,
             std::nullopt,
-            softness};
+            std::vector{softness}};
 }
 
 }  // namespace

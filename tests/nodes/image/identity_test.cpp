@@ -79,7 +79,8 @@ Image carved_picture(const Scratch& scratch, const Image& image) {
     }
     Softness soft;
     soft.vertices = 2;
-    const CarveMap map(lattice, {std::make_shared<const Seams>(seams)}, 1, std::nullopt, soft);
+    const CarveMap map(lattice, {std::make_shared<const Seams>(seams)}, 1, std::nullopt,
+                       std::vector{soft});
     const auto carved =
         std::make_shared<Volume>(carve_volume(*volume, lattice, map, Interpolation::linear));
     NodeBench(image_write(), "{path: " + (scratch / "b.exr") + "}")

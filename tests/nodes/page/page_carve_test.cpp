@@ -92,7 +92,8 @@ void check(const Shown& shown, const nlohmann::json& seen) {
     for (const auto& each : seen) {
         const auto count = each["count"].get<std::size_t>();
         if (!carved_by.contains(count)) {
-            CarveMap map(shown.what.lattice, shown.sets, shown.frame, count, shown.what.softness);
+            CarveMap map(shown.what.lattice, shown.sets, shown.frame, count,
+                         std::vector(shown.sets.size(), shown.what.softness));
             if (shown.what.fade > 0) map.fade_rims(shown.what.fade);
             carved_by[count] = page_bytes(
                 page_values(*carve_grid(shown.grid, shown.what.lattice, map, Interpolation::linear),

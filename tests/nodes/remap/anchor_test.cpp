@@ -44,7 +44,8 @@ FloatGrid::ConstPtr carved_by_sets(const FloatGrid::Ptr& grid, const Lattice& in
     std::vector<Ref<Seams>> list;
     for (const auto& set : sets) list.push_back(std::make_shared<Seams>(set));
     return openvdb::gridConstPtrCast<FloatGrid>(
-        carve_grid(grid, in, CarveMap(in, list, 1, {}, softness), Interpolation::linear));
+        carve_grid(grid, in, CarveMap(in, list, 1, {}, std::vector(list.size(), softness)),
+                   Interpolation::linear));
 }
 
 constexpr Anchor middle{Anchor::At::middle, 0}, high{Anchor::At::high, 0};

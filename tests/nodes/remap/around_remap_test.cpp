@@ -36,7 +36,7 @@ Lattice helix_lattice() { return around(through(helix_points()), 0.9, 0.1); }
 Lattice ring_lattice() { return around(through(saddle_points(), true), 0.8, 0.1); }
 
 CarveMap soft_map_of(const Lattice& lattice, const Seams& seams, double soft) {
-    return {lattice, {std::make_shared<Seams>(seams)}, 1, {}, {soft, 0}};
+    return {lattice, {std::make_shared<Seams>(seams)}, 1, {}, std::vector{Softness{soft, 0}}};
 }
 
 /// Seams that wander across v and close there, from vertex 1 on; removals as each is found in what

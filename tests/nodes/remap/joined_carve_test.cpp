@@ -46,7 +46,8 @@ Seams slab_set(const Lattice& lattice, Kind kind, int thickness, const std::vect
 }
 
 CarveMap joined_map(const Lattice& lattice, const Seams& seams, const JoinParams& params = {}) {
-    return {lattice, {std::make_shared<Seams>(seams)}, 1, {}, softness_of(params, seams)};
+    return {
+        lattice, {std::make_shared<Seams>(seams)}, 1, {}, std::vector{softness_of(params, seams)}};
 }
 
 FloatGrid::Ptr joined_grid(const std::function<float(const Coord& at)>& value) {

@@ -19,7 +19,7 @@ using openvdb::Vec3d;
 namespace {
 
 CarveMap map_of(const Lattice& lattice, const Seams& seams, const Softness& softness = {}) {
-    return {lattice, {std::make_shared<Seams>(seams)}, 1, {}, softness};
+    return {lattice, {std::make_shared<Seams>(seams)}, 1, {}, std::vector{softness}};
 }
 
 FloatGrid::Ptr field_around(const Lattice& lattice, double voxel,

@@ -357,7 +357,7 @@ TEMPLATE_TEST_CASE(
                 },
                 axis);
         const CarveMap map(place.lattice, {std::make_shared<Seams>(seams)}, 1, {},
-                           {0.7 + n % 3, 0});
+                           std::vector{Softness{0.7 + n % 3, 0}});
         const auto lattice =
             on_voxels(map.extended(place.lattice),
                       *align(map.extended(place.lattice), *place.transform), *place.transform);
@@ -387,7 +387,8 @@ TEST_CASE("a face at the end of what a warp leaves comes from the two faces arou
     const auto warp = warped(lattice, [](int entry, int, int, int) {
         return std::clamp(0.2 * (20 - entry), -4.0, 4.0);
     });
-    const CarveMap map(lattice, {std::make_shared<Seams>(warp)}, 1, {}, {1, 0});
+    const CarveMap map(lattice, {std::make_shared<Seams>(warp)}, 1, {},
+                       std::vector{Softness{1, 0}});
     const auto out = carved<openvdb::Vec3SGrid>(grid, lattice, map);
     // Vertex 37 holds what vertex 41, the last one, had. So does the face behind it, which has no
     // place in the lattice to come from.

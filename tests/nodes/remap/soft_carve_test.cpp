@@ -31,7 +31,7 @@ CarveMap soft_map(const Lattice& lattice, const std::vector<Seams>& sets, Softne
                   int frame = 1) {
     std::vector<Ref<Seams>> list;
     for (const auto& set : sets) list.push_back(std::make_shared<Seams>(set));
-    return {lattice, list, frame, {}, softness};
+    return {lattice, list, frame, {}, std::vector(list.size(), softness)};
 }
 
 /// Where a whole vertex comes from along the axis.

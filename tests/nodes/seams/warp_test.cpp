@@ -222,7 +222,7 @@ TEST_CASE("seams and warps chain in their order") {
     warp.lattice_hash = lattice.hash;
     const auto chain =
         CarveMap(lattice, {std::make_shared<Seams>(seams), std::make_shared<Seams>(warp)}, 1, {},
-                 Softness{2, 0});
+                 std::vector(2, Softness{2, 0}));
     CHECK(chain.soft());
     CHECK(chain.steps().back().after() == 15);
     CHECK(carved_coordinates(chain, {10, 2, 2}).x() == Approx(5).margin(1e-4));
@@ -233,7 +233,7 @@ TEST_CASE("seams and warps chain in their order") {
     later.shape = first.shape_after(1);
     const auto other =
         CarveMap(lattice, {std::make_shared<Seams>(first), std::make_shared<Seams>(later)}, 1, {},
-                 Softness{0, 0});
+                 std::vector(2, Softness{0, 0}));
     CHECK(carved_coordinates(other, {10, 2, 2}).x() == Approx(5).margin(1e-4));
     CHECK(carved_coordinates(other, {28, 2, 2}).x() == Approx(12).margin(1e-4));
     CHECK(failure_of([&] {
