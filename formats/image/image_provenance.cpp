@@ -1,6 +1,7 @@
 #include "formats/image/image_provenance.h"
 
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <cstdint>
 #include <fstream>
@@ -31,21 +32,12 @@ std::uint32_t big_number(std::string_view bytes) {
     return out;
 }
 
-/// The checksum of PNG's chunks, as ISO 3309 defines it.
-std::uint32_t crc32_of(std::string_view bytes) {
-    constexpr std::uint32_t polynomial = 0xedb88320;
-    std::uint32_t out = ~std::uint32_t{0};
-    for (const unsigned char byte : bytes) {
-        out ^= byte;
-        for (int bit = 0; bit < 8; ++bit) out = (out & 1) != 0 ? out >> 1 ^ polynomial : out >> 1;
-    }
-    return ~out;
-}
-
 std::string png_chunk(const Provenance::value_type& entry) {
     const auto body = "tEXt" + entry.first + '\0' + entry.second;
     return big_bytes(static_cast<std::uint32_t>(body.size() - 4), 4) + body +
-           big_bytes(crc32_of(body), 4);
+           big_bytes(static_cast<std::uint32_t>(
+                         crc32_z(0, reinterpret_cast<const Bytef*>(body.data()), body.size())),
+                     4);
 }
 
 std::string jpeg_segment(const Provenance::value_type& entry) {
