@@ -39,8 +39,7 @@ struct MeshRead {
         for (const auto& loss : file.losses) context.warn(loss);
         if (const auto faults = faults_of(topology_of(file.mesh)); !faults.empty())
             context.warn(faults + ": they are kept as they are");
-        io.mesh = std::make_shared<Mesh>(
-            placed(std::move(file.mesh), {openvdb::Vec3d(params.translate.data()), params.scale}));
+        io.mesh = std::make_shared<Mesh>(placed(std::move(file.mesh), placement_of(params)));
     }
 };
 

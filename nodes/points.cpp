@@ -92,11 +92,9 @@ struct PointsRead {
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
-        const Placement placement{
-            openvdb::Vec3d(params.translate[0], params.translate[1], params.translate[2]),
-            params.scale};
-        io.points = std::make_shared<Points>(read_points(
-            file_of(params.path, params.missing, context), params.grid, params.offset, placement));
+        io.points =
+            std::make_shared<Points>(read_points(file_of(params.path, params.missing, context),
+                                                 params.grid, params.offset, placement_of(params)));
     }
 };
 

@@ -347,11 +347,6 @@ private:
         /// The first grid that is taken, of those of one name: its place and name.
         std::map<std::string, std::pair<std::size_t, std::string>> several_;
     };
-
-    static Placement placement_of(const Params& params) {
-        return {openvdb::Vec3d(params.translate[0], params.translate[1], params.translate[2]),
-                params.scale};
-    }
 };
 
 }  // namespace

@@ -20,6 +20,13 @@ std::optional<Number> number_of(std::string_view text) {
     return error == std::errc{} && end == last ? std::optional(out) : std::nullopt;
 }
 
+/// As number_of(), but a `+` may precede the number.
+template <class Number>
+std::optional<Number> number_of_word(std::string_view word) {
+    if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
+    return number_of<Number>(word);
+}
+
 /// The type of a number in a file.
 enum class NumberType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 

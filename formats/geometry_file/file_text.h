@@ -80,13 +80,6 @@ constexpr std::string_view blanks = " \t\r\v\f";
 /// The words of a line. @param separators  characters between words
 std::vector<std::string_view> words_of(std::string_view line, std::string_view separators = blanks);
 
-/// As number_of(), but a `+` may precede the number.
-template <class Number>
-std::optional<Number> number_of_word(std::string_view word) {
-    if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
-    return number_of<Number>(word);
-}
-
 /// A word of a file for messages: in quotes, at most 40 characters, with `?` for all but printable
 /// ASCII.
 std::string quoted(std::string_view word);

@@ -51,9 +51,7 @@ std::optional<P> read_path(const Value& value, ValueReader& reader, std::string 
 }  // namespace
 
 std::optional<double> parse_number(std::string_view text) {
-    // number_of() does not accept a plus sign.
-    if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
-    const auto out = number_of<double>(text);
+    const auto out = number_of_word<double>(text);
     return out && std::isfinite(*out) ? out : std::nullopt;
 }
 

@@ -12,6 +12,12 @@ inline constexpr auto placed_scale_doc =
     "World units of the shot per unit of the file, applied before `translate`.";
 inline constexpr auto undone_scale_doc = "The same for a reader's `scale`.";
 
+/// The placement that a reader's parameters `translate` and `scale` state.
+template <class Params>
+Placement placement_of(const Params& params) {
+    return {openvdb::Vec3d(params.translate.data()), params.scale};
+}
+
 /// The placement that a writer's parameters `translate` and `scale` state; nothing: neither is
 /// stated.
 template <class Params>
