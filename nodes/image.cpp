@@ -174,9 +174,7 @@ struct ImageWrite {
     }
 
     static void survey(const Params& params, Survey& survey) {
-        survey_grids(
-            "source", survey, [](std::size_t) { return true; },
-            [&](const auto& there) { require_channels(params.channels, there); });
+        survey_channels(params.channels, survey);
     }
 
     static void run(const Params& params, Ports& io, Context& context) {

@@ -3,6 +3,7 @@
 #include "carve/base/failure.h"
 #include "carve/base/words.h"
 #include "formats/file/full_path.h"
+#include "formats/image/image.h"
 #include "graph/types/node_type.h"
 
 #include <fmt/format.h>
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
-#include <optional>
 
 namespace fluidcarve {
 namespace {
@@ -114,6 +114,12 @@ bool survey_grids(std::string_view input, Survey& survey,
         }
     }
     return true;
+}
+
+void survey_channels(const std::optional<std::vector<std::string>>& channels, Survey& survey) {
+    survey_grids(
+        "source", survey, [](std::size_t) { return true; },
+        [&](const auto& there) { require_channels(channels, there); });
 }
 
 void require_grid(std::string_view input, const std::string& name,

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,6 +48,10 @@ void survey_files(const InputPath& path, Missing missing, Survey& survey,
 bool survey_grids(std::string_view input, Survey& survey,
                   const std::function<bool(std::size_t place)>& wants,
                   const std::function<void(const std::vector<std::string>& names)>& check);
+
+/// The survey of a node that needs channels of the image that its input `source` takes.
+/// @param channels  nothing: any
+void survey_channels(const std::optional<std::vector<std::string>>& channels, Survey& survey);
 
 /// @param input  name of the input whose grids these are
 /// @param there  their names
