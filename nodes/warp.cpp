@@ -61,7 +61,7 @@ WarpAmount amount_left(const WarpParams& params, WarpAmount amount, const Carved
     if (!params.rest) return amount;
     const auto axis = dimension(params.axis);
     const int before = space.lattices().front()->shape[axis], now = space.shape()[axis];
-    amount.whole = {amount.whole.of(before) - (now - before), false};
+    amount.whole = {amount.whole.exactly(before) - (now - before), false};
     return amount;
 }
 
@@ -152,9 +152,9 @@ struct WarpSolve {
             for (const auto& warning : gathered_.warnings()) context.warn_at_once(warning);
         }
         const int size = shape[dimension(params.axis)];
-        const bool found_before = before_ && before_->warp && !before_->warp->linear() &&
-                                  !amount.varies() &&
-                                  entry_.value("amount", 0.0) == in_steps(amount.whole.of(size));
+        const bool found_before =
+            before_ && before_->warp && !before_->warp->linear() && !amount.varies() &&
+            entry_.value("amount", 0.0) == in_steps(amount.whole.exactly(size));
         auto set = found_before ? *before_ : empty_warp(params, space);
         auto report = entry_;
         if (!found_before) {
@@ -189,7 +189,7 @@ struct WarpSolve {
         if (states_nothing(params)) return Reach::nothing;
         return !params.amount || one_of_a_kind(*params.amount) || params.rest
                    ? Reach::one_amount
-                   : Reach::of(in_steps(params.amount->whole.of(static_cast<int>(vertices))),
+                   : Reach::of(in_steps(params.amount->whole.exactly(static_cast<int>(vertices))),
                                params.pair_window.has_value());
     }
     static Payload first(const Payload& result, std::size_t count, Json& entry) {

@@ -9,8 +9,7 @@ namespace fluidcarve {
 
 int Count::of(int size) const {
     constexpr double most = 1e9;
-    return static_cast<int>(
-        std::lround(std::clamp(percent ? value / 100 * size : value, -most, most)));
+    return static_cast<int>(std::lround(std::clamp(exactly(size), -most, most)));
 }
 
 std::string to_text(const Count& count) {

@@ -26,15 +26,17 @@ struct Interval {
     double high = 0;
 };
 
-/// A number of seams: a whole number, or a percentage of the vertices along the carved axis.
-/// Negative removes, positive inserts.
+/// A number of seams, or of the vertices by which an axis gets longer: a number, or a percentage of
+/// the vertices along the axis. Negative removes, positive inserts. A number of seams is whole.
 struct Count {
     double value = 0;
     bool percent = false;
     /// The count as a whole number. @param size  vertices along the carved axis
     int of(int size) const;
+    /// The count without rounding. @param size  vertices that make 100 %
+    double exactly(double size) const { return percent ? value / 100 * size : value; }
 };
-/// The count as a pipeline states it: "-12", "-30%".
+/// The count as a pipeline states it: "-12", "-2.5", "-30%".
 std::string to_text(const Count& count);
 
 /// Names of an enum's values, in pipelines and messages. Specialise it with

@@ -9,12 +9,6 @@ namespace fluidcarve {
 
 namespace {
 
-using Length = WarpAmount::Length;
-
-std::string to_text(const Length& length) {
-    return fmt::format("{}{}", length.value, length.percent ? "%" : "");
-}
-
 /// A curve's value at a place. @param value  of a point
 template <class Point, class Get>
 double linear(const std::vector<Point>& points, double place, const Get& value) {
@@ -42,9 +36,7 @@ bool WarpAmount::nothing() const {
 
 WarpAmount WarpAmount::in_vertices(double size) const {
     auto out = *this;
-    const auto count = [size](Length& length) {
-        if (length.percent) length = {length.value / 100 * size, false};
-    };
+    const auto count = [size](Count& amount) { amount = {amount.exactly(size), false}; };
     count(out.whole);
     for (auto& point : out.points) count(point.amount);
     for (auto& section : out.sections)
@@ -61,13 +53,13 @@ bool WarpAmount::has_percent() const {
 }
 
 double WarpAmount::at(double w, double frame, int size) const {
-    if (!varies()) return whole.of(size);
-    const auto length = [size](const Point& point) { return point.amount.of(size); };
+    if (!varies()) return whole.exactly(size);
+    const auto each = [size](const Point& point) { return point.amount.exactly(size); };
     if (!sections.empty())
         return linear(sections, frame,
-                      [&](const Section& section) { return linear(section.points, w, length); });
+                      [&](const Section& section) { return linear(section.points, w, each); });
     const bool along_w = along == Along::w;
-    const double amount = linear(points, along_w ? w : frame, length);
+    const double amount = linear(points, along_w ? w : frame, each);
     return shares.empty() ? amount
                           : amount * linear(shares, along_w ? frame : w,
                                             [](const Share& share) { return share.share; });

@@ -14,18 +14,11 @@ namespace fluidcarve {
 /// Negative makes it shorter. A curve (METHOD 11 "Ramps") states other amounts at other planes or
 /// frames; a file may state one curve along the lattice for each of several frames.
 struct WarpAmount {
-    struct Length {
-        double value = 0;
-        bool percent = false;
-        /// In vertices. @param size  vertices along the axis
-        double of(int size) const { return percent ? value / 100 * size : value; }
-        bool operator==(const Length&) const = default;
-    };
     enum class Along { w, time };
     struct Point {
         /// Along w: 0, the first plane, to 1, the last one; along time: a frame number.
         double at = 0;
-        Length amount;
+        Count amount;
     };
     struct Share {
         double at = 0;  ///< place along the other dimension
@@ -39,7 +32,7 @@ struct WarpAmount {
     /// The least distance between the places of two points.
     static constexpr double least_step = 1e-6;
 
-    Length whole;            ///< the amount without a curve
+    Count whole;             ///< the amount without a curve
     Along along = Along::w;  ///< of `points`
     /// Points of a curve, rising; linear between them, constant beyond; empty: no curve.
     std::vector<Point> points;

@@ -42,7 +42,7 @@ public:
         if (words.size() != count_)
             file_.fault(fmt::format("a line needs {}, as the first one has, but this one has {}",
                                     counted(count_, "column"), words.size()));
-        const auto amount = length(words[*amount_]);
+        const auto amount = amount_in(words[*amount_]);
         if (!w_) return add({file_.number(words[*time_]), amount}, out_.points);
         const double w = file_.number(words[*w_]);
         if (w < 0 || w > 1)
@@ -74,7 +74,7 @@ private:
                    ? std::nullopt
                    : std::optional(static_cast<std::size_t>(found - heads.begin()));
     }
-    WarpAmount::Length length(std::string_view word) const {
+    Count amount_in(std::string_view word) const {
         const bool percent = word.ends_with('%');
         if (percent) word.remove_suffix(1);
         return {file_.number(word), percent};

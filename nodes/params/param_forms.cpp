@@ -14,14 +14,13 @@ namespace fluidcarve {
 
 namespace {
 
-using Length = WarpAmount::Length;
-
-std::optional<Length> parse_length(const Value& value, ValueReader& reader) {
+/// An amount of a warp, which need not be whole.
+std::optional<Count> parse_amount(const Value& value, ValueReader& reader) {
     const bool percent = value.kind == Value::Kind::scalar && value.text.ends_with('%');
     auto number = value;
     if (percent) number.text.pop_back();
     const auto got = reader.number(number, false);
-    return got ? std::optional(Length{*got, percent}) : std::nullopt;
+    return got ? std::optional(Count{*got, percent}) : std::nullopt;
 }
 
 /// Reads `[[place, value], ...]`, places rising.
@@ -83,7 +82,7 @@ std::optional<WarpAmount> parse_curve(const Value& value, ValueReader& reader) {
     out.along = *dimension;
     const bool along_w = out.along == WarpAmount::Along::w;
     auto points = parse_points<WarpAmount::Point>(
-        *at, along_w, reader, [&](const Value& amount) { return parse_length(amount, reader); });
+        *at, along_w, reader, [&](const Value& amount) { return parse_amount(amount, reader); });
     if (!points) return std::nullopt;
     out.points = std::move(*points);
     if (!over) return out;
@@ -234,10 +233,10 @@ std::optional<WarpAmount> ParamTraits<WarpAmount>::parse(const Value& value, Val
                         "at: [[place, amount], ...]}");
         return std::nullopt;
     }
-    const auto length = parse_length(value, reader);
-    if (!length) return std::nullopt;
+    const auto amount = parse_amount(value, reader);
+    if (!amount) return std::nullopt;
     WarpAmount out;
-    out.whole = *length;
+    out.whole = *amount;
     return out;
 }
 
