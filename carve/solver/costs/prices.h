@@ -31,8 +31,8 @@ struct Prices {
 };
 
 /// Sets what seams pay. With a field, each vertex with content costs a typical energy more, so that
-/// seams also spread where the energy is
-/// 0. A vertex without content costs so much more that its price becomes Prices::empty.
+/// seams also spread where there is no energy. A vertex without content costs so much more that its
+/// price becomes Prices::empty.
 void set_prices(EnergyVolume& energy, const Typical& typical, const Prices& prices);
 
 }  // namespace fluidcarve
