@@ -74,7 +74,7 @@ public:
         Value nothing;
         nothing.kind = Value::Kind::map;
         const auto file = fs::weakly_canonical(path).string();
-        if (std::find(loading_.begin(), loading_.end(), file) != loading_.end())
+        if (std::ranges::find(loading_, file) != loading_.end())
             return add(problems_, from,
                        fmt::format("{} extends itself, directly or through others", path)),
                    nothing;

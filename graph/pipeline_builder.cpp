@@ -119,9 +119,8 @@ std::optional<Link> PipelineBuilder::resolve(const Reference& reference,
                    fmt::format("'{}' ({}) has no output", from.name, from.type->name), from.mark,
                    "it is defined here"),
                std::nullopt;
-    const auto found = reference.port.empty()
-                           ? ports.begin()
-                           : std::find(ports.begin(), ports.end(), reference.port);
+    const auto found =
+        reference.port.empty() ? ports.begin() : std::ranges::find(ports, reference.port);
     const auto& spec = unfinished.node.type->inputs[input];
     if (found == ports.end() && from.type->outputs_param.empty() &&
         registry_.selection(from.outputs.front().type, spec.type))
@@ -195,8 +194,8 @@ bool PipelineBuilder::order() {
 }
 
 void PipelineBuilder::report_cycle(std::vector<std::size_t> nodes) {
-    std::reverse(nodes.begin(), nodes.end());
-    const auto first = std::min_element(nodes.begin(), nodes.end());
+    std::ranges::reverse(nodes);
+    const auto first = std::ranges::min_element(nodes);
     std::rotate(nodes.begin(), first, nodes.end());
     std::string text;
     for (const auto n : nodes) text += nodes_[n].node.name + " -> ";

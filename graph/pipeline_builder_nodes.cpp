@@ -59,7 +59,7 @@ private:
 void PipelineBuilder::read_node(const Value::Field& field) {
     const auto& [name, mark, value] = field;
     const auto letter = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; };
-    if (name.empty() || !std::all_of(name.begin(), name.end(), letter))
+    if (name.empty() || !std::ranges::all_of(name, letter))
         return add(problems_, mark,
                    fmt::format("'{}' can't name a node; use letters, digits, _ and -", name));
     known_.insert(name);

@@ -96,7 +96,7 @@ private:
     static void require_channel(const std::string& path, const Image& header,
                                 const std::string& channel) {
         const auto names = names_of(header);
-        if (std::find(names.begin(), names.end(), channel) != names.end()) return;
+        if (std::ranges::find(names, channel) != names.end()) return;
         const auto best = nearest(channel, names);
         throw Failure(fmt::format("{} has no channel '{}'; it has {}{}", path, channel,
                                   fmt::join(names, ", "),
@@ -163,8 +163,8 @@ struct ImageWrite {
             return check.fault("path",
                                fmt::format("'path' must end in one of {}", image_endings()));
         if (params.depth &&
-            std::find(format->depths.begin(), format->depths.end(),
-                      ParamTraits<Depth>::text(*params.depth)) == format->depths.end())
+            std::ranges::find(format->depths, ParamTraits<Depth>::text(*params.depth)) ==
+                format->depths.end())
             check.fault("depth", fmt::format("{} holds {}, not {}", format->shown,
                                              fmt::join(format->depths, " or "),
                                              ParamTraits<Depth>::text(*params.depth)));
@@ -235,11 +235,10 @@ private:
     }
 
     static bool holds(const Image& image, const std::string& name) {
-        return std::any_of(image.attributes.begin(), image.attributes.end(), [&](const auto& each) {
-            return std::equal(each.name.begin(), each.name.end(), name.begin(), name.end(),
-                              [](unsigned char a, unsigned char b) {
-                                  return std::tolower(a) == std::tolower(b);
-                              });
+        return std::ranges::any_of(image.attributes, [&](const auto& each) {
+            return std::ranges::equal(each.name, name, [](unsigned char a, unsigned char b) {
+                return std::tolower(a) == std::tolower(b);
+            });
         });
     }
 };

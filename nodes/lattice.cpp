@@ -158,7 +158,7 @@ private:
                 "'spacing' instead");
         const auto& transform = *voxels_.transform();
         const auto counts = extents_of(box_);
-        if (*std::max_element(counts.begin(), counts.end()) > most_vertices)
+        if (*std::ranges::max_element(counts) > most_vertices)
             throw Failure(
                 fmt::format("the active voxels of grid '{}' span {}; {} along an axis is the most: "
                             "crop the grid, or state 'min', 'max' and 'spacing' of a part",

@@ -64,8 +64,7 @@ public:
             choice.name.empty() ? name_in_file(header(), conventions_, output) : choice.name;
         const auto has = [&](const std::string& each) { return header().find(each).has_value(); };
         const auto parts = triplet_names(name);
-        if (choice.kind == GridKind::vector && !has(name) &&
-            std::all_of(parts.begin(), parts.end(), has))
+        if (choice.kind == GridKind::vector && !has(name) && std::ranges::all_of(parts, has))
             return {place(parts[0], GridKind::scalar), place(parts[1], GridKind::scalar),
                     place(parts[2], GridKind::scalar)};
         return {place(name, choice.kind)};

@@ -96,7 +96,7 @@ std::optional<FrameRange> parse_range(std::string_view part, std::string& fault)
 }  // namespace
 
 FrameSet::FrameSet(std::vector<int> frames) : frames_(std::move(frames)) {
-    std::sort(frames_.begin(), frames_.end());
+    std::ranges::sort(frames_);
     frames_.erase(std::unique(frames_.begin(), frames_.end()), frames_.end());
 }
 
@@ -125,12 +125,10 @@ std::optional<FrameSet> FrameSet::parse(std::string_view text, std::string& faul
     return FrameSet(std::move(frames));
 }
 
-bool FrameSet::contains(int frame) const {
-    return std::binary_search(frames_.begin(), frames_.end(), frame);
-}
+bool FrameSet::contains(int frame) const { return std::ranges::binary_search(frames_, frame); }
 
 std::optional<std::size_t> FrameSet::place(int frame) const {
-    const auto found = std::lower_bound(frames_.begin(), frames_.end(), frame);
+    const auto found = std::ranges::lower_bound(frames_, frame);
     if (found == frames_.end() || *found != frame) return std::nullopt;
     return static_cast<std::size_t>(found - frames_.begin());
 }

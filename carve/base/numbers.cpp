@@ -27,7 +27,7 @@ double number_in(const char* bytes, NumberType type, bool swap) {
     return with_number_type(type, [&](auto value) {
         std::array<char, sizeof value> copy;
         std::memcpy(copy.data(), bytes, sizeof value);
-        if (swap) std::reverse(copy.begin(), copy.end());
+        if (swap) std::ranges::reverse(copy);
         return static_cast<double>(std::bit_cast<decltype(value)>(copy));
     });
 }
@@ -38,7 +38,7 @@ void put_number(std::string& out, double number, NumberType type, bool swap) {
         if constexpr (std::is_integral_v<T>) value = whole<T>(number);
         else value = static_cast<T>(number);
         auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
-        if (swap) std::reverse(bytes.begin(), bytes.end());
+        if (swap) std::ranges::reverse(bytes);
         out.append(bytes.data(), bytes.size());
     });
 }

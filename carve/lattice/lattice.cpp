@@ -69,7 +69,7 @@ bool Lattice::is_box() const {
     if (planes.empty() || closed || around) return false;
     const auto& first = planes.front();
     return std::abs(first.w.dot(first.u.cross(first.v))) > least_volume &&
-           std::all_of(planes.begin(), planes.end(), [&](const Plane& plane) {
+           std::ranges::all_of(planes, [&](const Plane& plane) {
                const auto expected =
                    first.origin + spacing * static_cast<double>(&plane - planes.data()) * first.w;
                return near(plane.u, first.u, 1e-12) && near(plane.v, first.v, 1e-12) &&

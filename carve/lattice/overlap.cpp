@@ -35,12 +35,12 @@ struct Hull {
         }
     }
     bool above(const Slabs::Divider& divider) const {
-        return std::all_of(corners.begin(), corners.end(),
-                           [&](const Vec3d& corner) { return divider.side(corner) >= 0; });
+        return std::ranges::all_of(corners,
+                                   [&](const Vec3d& corner) { return divider.side(corner) >= 0; });
     }
     bool below(const Slabs::Divider& divider) const {
-        return std::all_of(corners.begin(), corners.end(),
-                           [&](const Vec3d& corner) { return divider.side(corner) < 0; });
+        return std::ranges::all_of(corners,
+                                   [&](const Vec3d& corner) { return divider.side(corner) < 0; });
     }
 };
 
@@ -116,7 +116,7 @@ Overlap count_overlap(const Mapping& mapping, const openvdb::math::Transform& tr
             return a;
         });
     return {std::accumulate(counts.begin(), counts.end(), std::size_t{0}),
-            static_cast<int>(std::max_element(counts.begin(), counts.end()) - counts.begin())};
+            static_cast<int>(std::ranges::max_element(counts) - counts.begin())};
 }
 
 }  // namespace fluidcarve

@@ -15,7 +15,7 @@ std::size_t boundary_edges(const Mesh& mesh) {
         for (std::size_t c = 0; c < face.size(); ++c)
             sides.emplace_back(std::minmax(face[c], face[(c + 1) % face.size()]));
     }
-    std::sort(sides.begin(), sides.end());
+    std::ranges::sort(sides);
     std::size_t out = 0;
     for (auto side = sides.begin(); side != sides.end();) {
         const auto next = std::upper_bound(side, sides.end(), *side);

@@ -51,7 +51,7 @@ std::optional<Mesh::Attribute> per_vertex(const Mesh& mesh, const Mesh::Attribut
             !std::ranges::equal(attribute.entry(entry), attribute.entry(first)))
             differs[vertex] = true;
     }
-    several = static_cast<std::size_t>(std::count(differs.begin(), differs.end(), true));
+    several = static_cast<std::size_t>(std::ranges::count(differs, true));
     if (several > 0) return std::nullopt;
     auto out = attribute;
     out.on = Attribute::On::vertices;

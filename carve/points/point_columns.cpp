@@ -163,8 +163,8 @@ public:
         auto leaves = rows_of_leaves();
         for (const auto& source : sources_) add_attribute(source);
         for (auto& [origin, rows] : leaves) {
-            std::stable_sort(rows.begin(), rows.end(),
-                             [](const auto& a, const auto& b) { return a.first < b.first; });
+            std::ranges::stable_sort(
+                rows, [](const auto& a, const auto& b) { return a.first < b.first; });
             grid_->tree().addLeaf(leaf_of(origin, rows).release());
         }
         return grid_;

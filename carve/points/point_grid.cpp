@@ -129,8 +129,9 @@ std::vector<Gathered> gather(const openvdb::GridBase& grid, const Leaves& leaves
 bool unchanged(const Gathered& gathered, const Leaves& leaves) {
     const auto leaf = gathered.points.front().leaf;
     return gathered.points.size() == leaves.all[leaf]->pointCount() &&
-           std::all_of(gathered.points.begin(), gathered.points.end(),
-                       [&](const auto& point) { return point.leaf == leaf && !point.moved; });
+           std::ranges::all_of(gathered.points, [&](const auto& point) {
+               return point.leaf == leaf && !point.moved;
+           });
 }
 
 /// Copies the values of an attribute from the leaves that points come from.
@@ -157,8 +158,8 @@ void copy_values(const Leaves& leaves,
 std::unique_ptr<Leaf> made(Gathered& gathered, const Leaves& leaves,
                            const AttributeArray::ScopedRegistryLock& lock) {
     auto& points = gathered.points;
-    std::stable_sort(points.begin(), points.end(),
-                     [](const auto& a, const auto& b) { return a.voxel < b.voxel; });
+    std::ranges::stable_sort(points,
+                             [](const auto& a, const auto& b) { return a.voxel < b.voxel; });
     const auto& like = leaves.all[points.front().leaf]->attributeSet();
     auto set = std::make_unique<AttributeSet>(like, static_cast<Index>(points.size()), &lock);
 

@@ -123,8 +123,7 @@ public:
             for (int c = 0; c < Traits::Size; ++c)
                 marks[static_cast<std::size_t>(c)] = seam_voxels(out, c);
         else marks.fill(seam_voxels(out, -1));
-        if (std::all_of(marks.begin(), marks.end(), [](const Marks& each) { return each.none(); }))
-            return false;
+        if (std::ranges::all_of(marks, [](const Marks& each) { return each.none(); })) return false;
 
         window_.move_to({block.offsetBy(-filter_.reach()), block.offsetBy(7 + filter_.reach())});
         if (window_.uniform()) return false;
@@ -187,8 +186,7 @@ private:
             for (auto near = cube.begin(); near; ++near)
                 values_.push_back(static_cast<double>(component(*near, c)));
             // Values that are not finite can't be ordered.
-            if (!std::all_of(values_.begin(), values_.end(),
-                             [](double value) { return std::isfinite(value); })) {
+            if (!std::ranges::all_of(values_, [](double value) { return std::isfinite(value); })) {
                 not_finite_.add(at);
                 continue;
             }

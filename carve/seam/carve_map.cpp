@@ -36,7 +36,7 @@ void require_lattice(const Seams& seams, std::size_t t, const Lattice& lattice) 
 }
 
 std::size_t frame_index(int frame, const Seams& seams) {
-    const auto found = std::find(seams.frames.begin(), seams.frames.end(), frame);
+    const auto found = std::ranges::find(seams.frames, frame);
     if (found == seams.frames.end())
         throw Failure(fmt::format("the seams do not hold frame {}; they hold {}", frame,
                                   FrameSet(seams.frames).text()));
@@ -96,13 +96,13 @@ Lattice CarveMap::extended(const Lattice& lattice) const {
 }
 
 bool CarveMap::soft() const {
-    return std::any_of(steps_.begin(), steps_.end(),
-                       [](const CarveStep& step) { return step.soft() != nullptr; });
+    return std::ranges::any_of(steps_,
+                               [](const CarveStep& step) { return step.soft() != nullptr; });
 }
 
 bool CarveMap::joins() const {
-    return std::any_of(steps_.begin(), steps_.end(),
-                       [](const CarveStep& step) { return step.joins() != nullptr; });
+    return std::ranges::any_of(steps_,
+                               [](const CarveStep& step) { return step.joins() != nullptr; });
 }
 
 void CarveMap::fade_rims(double vertices) {
@@ -121,8 +121,7 @@ void CarveMap::fade_rims(double vertices) {
 }
 
 bool CarveMap::rims_fade() const {
-    return std::any_of(steps_.begin(), steps_.end(),
-                       [](const CarveStep& step) { return step.rims_fade(); });
+    return std::ranges::any_of(steps_, [](const CarveStep& step) { return step.rims_fade(); });
 }
 
 bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
@@ -161,9 +160,8 @@ openvdb::BBoxd CarveMap::moved() const {
     auto out = whole();
     // If several axes are carved, a step along one axis moves vertices over the full length of the
     // others.
-    const bool one_axis = std::all_of(steps_.begin(), steps_.end(), [&](const CarveStep& step) {
-        return step.axis() == steps_.front().axis();
-    });
+    const bool one_axis = std::ranges::all_of(
+        steps_, [&](const CarveStep& step) { return step.axis() == steps_.front().axis(); });
     if (steps_.empty() || !one_axis) return out;
     const int axis = steps_.front().axis();
     int first = steps_.front().first_moved(), last = 0;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -23,7 +24,7 @@ void sort_entries(const std::vector<Seams::Seam>& seams, Seams::Kind kind, std::
     for (std::size_t n = 0; n < count; ++n) entries.push_back(seams[n].at[column]);
     if (kind == Seams::Kind::remove) return to_original(entries, sorted);
     sorted = entries;
-    std::sort(sorted.begin(), sorted.end());
+    std::ranges::sort(sorted);
 }
 
 /// A doubled slab in one column.

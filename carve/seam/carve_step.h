@@ -194,8 +194,7 @@ public:
         // Shortcut: most entries lie below or above all of them.
         if (all.empty() || entry < all.front()) return 0;
         if (entry >= all.back()) return all.size();
-        return static_cast<std::size_t>(std::upper_bound(all.begin(), all.end(), entry) -
-                                        all.begin());
+        return static_cast<std::size_t>(std::ranges::upper_bound(all, entry) - all.begin());
     }
     /// Displacement of an entry without smoothing, half vertices.
     /// @param entry   start() to last()

@@ -28,7 +28,7 @@ public:
     static SeamEntries in_file(std::span<const std::uint16_t> entries, const std::string& folder) {
         SeamEntries out;
         out.file_ = std::make_shared<FrameStore>(1, entries.size(), Limits{0, folder});
-        std::copy(entries.begin(), entries.end(), out.file_->entries(0).begin());
+        std::ranges::copy(entries, out.file_->entries(0).begin());
         return out;
     }
 

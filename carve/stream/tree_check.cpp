@@ -100,7 +100,7 @@ private:
     void value() {
         const auto bytes = in_.take(format_.value_bytes);
         if (format_.leaves != TreeFormat::Leaves::point_data) return;
-        in_.require(std::all_of(bytes.begin(), bytes.end(), [](char byte) { return byte == 0; }),
+        in_.require(std::ranges::all_of(bytes, [](char byte) { return byte == 0; }),
                     "it has points outside of its leaves");
     }
 

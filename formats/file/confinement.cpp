@@ -58,7 +58,7 @@ std::string Confinement::refusal(const std::string& path) const {
         return std::mismatch(folder.begin(), folder.end(), place->begin(), place->end()).first ==
                folder.end();
     };
-    if (place && std::any_of(folders_.begin(), folders_.end(), holds)) return {};
+    if (place && std::ranges::any_of(folders_, holds)) return {};
     std::string allowed;
     for (const auto& folder : folders_) allowed += (allowed.empty() ? "" : ", ") + folder.string();
     return fmt::format(

@@ -34,7 +34,7 @@ bool is_number(std::string_view word) {
 /// The point in three columns of a line.
 Vec3d point_in(const FileText& file, const Words& words,
                const std::array<std::size_t, 3>& columns) {
-    if (words.size() <= *std::max_element(columns.begin(), columns.end()))
+    if (words.size() <= *std::ranges::max_element(columns))
         file.fault("this point lacks a coordinate");
     return {file.number(words[columns[0]]), file.number(words[columns[1]]),
             file.number(words[columns[2]])};
@@ -66,9 +66,9 @@ public:
         std::vector<bool> used(edges_.size());
         used[0] = true;
         auto forward = walk(first_[1], used), out = walk(first_[0], used);
-        std::reverse(out.begin(), out.end());
+        std::ranges::reverse(out);
         out.insert(out.end(), forward.begin(), forward.end());
-        if (const auto rest = std::find(used.begin(), used.end(), false); rest != used.end())
+        if (const auto rest = std::ranges::find(used, false); rest != used.end())
             file.fault_at(edges_[static_cast<std::size_t>(rest - used.begin())],
                           "this line is not joined to the first one: a rig is one line");
         return out;
@@ -199,7 +199,7 @@ std::vector<Vec3d> read_csv(FileText& file) {
                 const auto named = [&](std::string_view word) {
                     return word.size() == 1 && (word[0] == "xyz"[c] || word[0] == "XYZ"[c]);
                 };
-                const auto found = std::find_if(words.begin(), words.end(), named);
+                const auto found = std::ranges::find_if(words, named);
                 if (found == words.end())
                     file.fault(fmt::format("the header has no column '{}'", "xyz"[c]));
                 columns[c] = static_cast<std::size_t>(found - words.begin());

@@ -25,9 +25,8 @@ constexpr std::array<std::string_view, 3> encoding_names{"ascii", "binary_little
                                                          "binary_big_endian"};
 
 std::optional<NumberType> type_of(std::string_view word) {
-    const auto found = std::find_if(type_names.begin(), type_names.end(), [&](const auto& each) {
-        return each[0] == word || each[1] == word;
-    });
+    const auto found = std::ranges::find_if(
+        type_names, [&](const auto& each) { return each[0] == word || each[1] == word; });
     return found == type_names.end()
                ? std::nullopt
                : std::optional(static_cast<NumberType>(found - type_names.begin()));
@@ -65,7 +64,7 @@ PlyStatement PlyHeader::take(std::string_view line) {
         comments.emplace_back(line);
     } else if (keyword == "format") {
         out.kind = Kind::format;
-        const auto found = std::find(encoding_names.begin(), encoding_names.end(), out.word(1));
+        const auto found = std::ranges::find(encoding_names, out.word(1));
         if (found == encoding_names.end()) out.wrong = out.word(1);
         else encoding = static_cast<NumberForm>(found - encoding_names.begin());
     } else if (keyword == "element") {

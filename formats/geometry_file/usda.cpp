@@ -54,8 +54,7 @@ bool names_usda(const std::string& path) { return ending_of(path) == ".usda"; }
 
 bool is_usd_name(std::string_view text) {
     return !text.empty() && is_letter(text.front()) &&
-           std::all_of(text.begin(), text.end(),
-                       [](char c) { return is_letter(c) || is_digit(c); });
+           std::ranges::all_of(text, [](char c) { return is_letter(c) || is_digit(c); });
 }
 
 std::string UsdNames::add(std::string_view text) {

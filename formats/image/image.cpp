@@ -42,8 +42,7 @@ std::string shown_formats() {
 const ImageFormat* format_of_name(const std::string& path) {
     const auto ending = ending_of(path);
     for (const auto& format : formats())
-        if (std::find(format.endings.begin(), format.endings.end(), ending) != format.endings.end())
-            return &format;
+        if (std::ranges::find(format.endings, ending) != format.endings.end()) return &format;
     return nullptr;
 }
 
@@ -80,7 +79,7 @@ void require_channels(const std::optional<std::vector<std::string>>& wanted,
                       const std::vector<std::string>& there) {
     if (!wanted) return;
     for (const auto& channel : *wanted)
-        if (std::find(there.begin(), there.end(), channel) == there.end())
+        if (std::ranges::find(there, channel) == there.end())
             throw Failure(no_channel(channel, fmt::format("{}", fmt::join(there, ", "))));
 }
 
@@ -162,10 +161,9 @@ bool depth_holds(const std::string& to, const std::string& from) {
         {"float", {"uint8", "int8", "uint16", "int16", "half", "float"}},
         {"double", {"uint8", "int8", "uint16", "int16", "half", "float", "double"}},
     };
-    const auto found = std::find_if(holds.begin(), holds.end(),
-                                    [&](const auto& each) { return each.first == to; });
-    return found != holds.end() &&
-           std::find(found->second.begin(), found->second.end(), from) != found->second.end();
+    const auto found =
+        std::ranges::find_if(holds, [&](const auto& each) { return each.first == to; });
+    return found != holds.end() && std::ranges::find(found->second, from) != found->second.end();
 }
 
 }  // namespace fluidcarve

@@ -28,8 +28,7 @@ namespace {
 /// Sorts channels: R, G, B, opacity, others. Most formats need this order.
 void sort_colours(Channels& channels) {
     const auto has = [&](const char* name) {
-        return std::any_of(channels.begin(), channels.end(),
-                           [&](const auto& each) { return each.name() == name; });
+        return std::ranges::any_of(channels, [&](const auto& each) { return each.name() == name; });
     };
     const bool colours = has("R") && has("G") && has("B");
     const auto rank = [&](const VolumeGrid& channel) {
@@ -39,8 +38,8 @@ void sort_colours(Channels& channels) {
         return channels.size() == 2 && is_opacity(name) ? 1 : 0;
     };
     auto sorted = channels;
-    std::stable_sort(sorted.begin(), sorted.end(),
-                     [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+    std::ranges::stable_sort(sorted,
+                             [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
     channels = std::move(sorted);
 }
 
@@ -74,8 +73,8 @@ Channels channels_of(const Volume& volume, const ImageRequest& request) {
 void require_layout(const Channels& channels, const ImageFormat& format) {
     const bool png = format.name == "png";
     if (!png && format.name != "jpeg") return;
-    const auto alphas = std::count_if(channels.begin(), channels.end(),
-                                      [](const auto& each) { return is_opacity(each.name()); });
+    const auto alphas =
+        std::ranges::count_if(channels, [](const auto& each) { return is_opacity(each.name()); });
     const auto colours = channels.size() - static_cast<std::size_t>(alphas);
     const bool alpha_last = alphas == 0 || (alphas == 1 && is_opacity(channels.back().name()));
     if ((colours == 1 || colours == 3) && alpha_last && (png || alphas == 0)) return;
@@ -111,8 +110,7 @@ std::vector<std::string> depths_of(const Channels& channels, const ImageRequest&
     }
     if (request.depth) return read;
     const auto holds_all = [](const std::string& depth, std::span<const std::string> all) {
-        return std::all_of(all.begin(), all.end(),
-                           [&](const auto& each) { return depth_holds(depth, each); });
+        return std::ranges::all_of(all, [&](const auto& each) { return depth_holds(depth, each); });
     };
     const auto fitting = [&](std::span<const std::string> all, const std::string& what) {
         for (const auto& depth : format.depths)

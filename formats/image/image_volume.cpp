@@ -157,8 +157,7 @@ VolumeGrid grid_of(const std::shared_ptr<const Image>& image, std::size_t channe
 }
 
 bool starts_with_any(const std::string& text, std::initializer_list<const char*> starts) {
-    return std::any_of(starts.begin(), starts.end(),
-                       [&](const char* start) { return text.starts_with(start); });
+    return std::ranges::any_of(starts, [&](const char* start) { return text.starts_with(start); });
 }
 
 /// The attributes to write to a file of a format: without those that describe the old pixels or
@@ -261,8 +260,8 @@ void read_pixels(const Channels& channels, const Upright& upright, int z, Image&
 /// TIFF states it.
 void follow_convention(Image& image) {
     if (image.alpha < 0) return;
-    const auto apart = std::find_if(image.attributes.begin(), image.attributes.end(),
-                                    [](const auto& each) { return each.name == unassociated; });
+    const auto apart = std::ranges::find_if(
+        image.attributes, [](const auto& each) { return each.name == unassociated; });
     const bool is_apart = apart != image.attributes.end(),
                wants_apart = image.format == "png" || (image.format == "tiff" && is_apart);
     if (is_apart == wants_apart) return;

@@ -32,9 +32,8 @@ constexpr std::array formats = {Format{".obj", read_obj, [](FileText&) {}, obj_t
 const Format& format_of(const std::string& path) {
     const auto fault = ending_fault(path);
     if (!fault.empty()) throw Failure(fault, Failure::Kind::input);
-    return *std::find_if(
-        formats.begin(), formats.end(),
-        [ending = ending_of(path)](const Format& each) { return each.ending == ending; });
+    return *std::ranges::find_if(
+        formats, [ending = ending_of(path)](const Format& each) { return each.ending == ending; });
 }
 
 /// Where comments go in the text of a file: before all in OBJ, behind the format in PLY; nothing if
@@ -56,8 +55,7 @@ FileText text_of_mesh(const std::string& path, std::size_t most = FileText::all)
 
 std::string ending_fault(const std::string& path) {
     const auto ending = ending_of(path);
-    if (std::any_of(formats.begin(), formats.end(),
-                    [&](const Format& each) { return each.ending == ending; }))
+    if (std::ranges::any_of(formats, [&](const Format& each) { return each.ending == ending; }))
         return {};
     return fmt::format("{}: a mesh is a .obj, .ply, .off or .stl file, not '{}'", path, ending);
 }
@@ -101,13 +99,11 @@ std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh,
 }
 
 void require_vertices(const FileText& file, const Mesh& mesh) {
-    const auto found =
-        std::find_if(mesh.corners.begin(), mesh.corners.end(),
-                     [&](std::uint32_t vertex) { return vertex >= mesh.points.size(); });
+    const auto found = std::ranges::find_if(
+        mesh.corners, [&](std::uint32_t vertex) { return vertex >= mesh.points.size(); });
     if (found == mesh.corners.end()) return;
     const auto corner = static_cast<std::size_t>(found - mesh.corners.begin());
-    const auto face =
-        std::upper_bound(mesh.ends.begin(), mesh.ends.end(), corner) - mesh.ends.begin();
+    const auto face = std::ranges::upper_bound(mesh.ends, corner) - mesh.ends.begin();
     file.fault_in_all(fmt::format("face {} has a vertex {}, but there are {} (both counted from 0)",
                                   face, *found, mesh.points.size()));
 }
@@ -139,7 +135,7 @@ const std::vector<Mesh::Line>& lines_for(const Mesh& mesh, const std::string& fo
         const auto begin = line.text.find_first_not_of(" \t");
         return begin != std::string::npos && line.text[begin] != '#';
     };
-    if (mesh.stored->format == "obj" && std::any_of(lines.begin(), lines.end(), says))
+    if (mesh.stored->format == "obj" && std::ranges::any_of(lines, says))
         losses.push_back(
             fmt::format("groups, materials, lines and the like of the .obj file are not written: "
                         ".{} holds none",

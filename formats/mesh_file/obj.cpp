@@ -72,7 +72,7 @@ private:
         if (keyword == "vn") return take_tuple(normals_, 3, 3), true;
         if (keyword == "f") return take_face(), true;
         if (keyword == "l" || keyword == "p") return take_line(), true;
-        if (std::find(kept.begin(), kept.end(), keyword) == kept.end())
+        if (std::ranges::find(kept, keyword) == kept.end())
             file_.fault(fmt::format(
                 "{} is no statement that can be kept: a mesh is made of v, vt, vn, f, l and p",
                 quoted(keyword)));
@@ -166,8 +166,7 @@ private:
     void require(std::uint32_t index, std::size_t size, std::size_t corner, const std::string& one,
                  const std::string& all) const {
         if (index == Attribute::none || index < size) return;
-        const auto face =
-            std::upper_bound(mesh_.ends.begin(), mesh_.ends.end(), corner) - mesh_.ends.begin();
+        const auto face = std::ranges::upper_bound(mesh_.ends, corner) - mesh_.ends.begin();
         file_.fault_in_all(fmt::format("face {} has {} {}, but there are {} {}", face + 1, one,
                                        std::uint64_t{index} + 1, size, all));
     }

@@ -87,8 +87,8 @@ private:
         for (auto& comment : header.comments) stored_->lines.push_back({0, std::move(comment)});
         require_size();
         const auto named = [&](const char* name) {
-            return std::count_if(elements_.begin(), elements_.end(),
-                                 [&](const Element& each) { return each.name == name; });
+            return std::ranges::count_if(elements_,
+                                         [&](const Element& each) { return each.name == name; });
         };
         if (named("vertex") != 1 || named("face") > 1)
             file_.fault_in_all("a mesh has one element 'vertex' and at most one 'face'");
@@ -199,10 +199,9 @@ private:
         auto into = columns(element, Attribute::On::vertices, is_axis);
         std::array<std::size_t, 3> place{};
         for (std::size_t c = 0; c < 3; ++c) {
-            const auto found = std::find_if(
-                element.properties.begin(), element.properties.end(), [&](const Property& each) {
-                    return each.name == std::string(1, "xyz"[c]) && !each.count;
-                });
+            const auto found = std::ranges::find_if(element.properties, [&](const Property& each) {
+                return each.name == std::string(1, "xyz"[c]) && !each.count;
+            });
             if (found == element.properties.end())
                 file_.fault_in_all(fmt::format("element 'vertex' has no property '{}'", "xyz"[c]));
             place[c] = static_cast<std::size_t>(found - element.properties.begin());
@@ -219,7 +218,7 @@ private:
                     continue;
                 }
                 const double value = next(property.type);
-                const auto axis = std::find(place.begin(), place.end(), p) - place.begin();
+                const auto axis = std::ranges::find(place, p) - place.begin();
                 if (axis < 3) {
                     if (!std::isfinite(value))
                         file_.fault_in_all(fmt::format(
@@ -234,8 +233,7 @@ private:
     }
 
     void read_faces(const Element& element) {
-        if (std::count_if(element.properties.begin(), element.properties.end(), is_corners) != 1 &&
-            element.count > 0)
+        if (std::ranges::count_if(element.properties, is_corners) != 1 && element.count > 0)
             file_.fault_in_all("element 'face' has no list 'vertex_indices'");
         auto into = columns(element, Attribute::On::faces, is_corners);
         for (std::size_t n = 0; n < element.count; ++n)
@@ -293,7 +291,7 @@ public:
                         : mesh.stored->big_endian ? NumberForm::big
                                                   : NumberForm::little;
         const auto all = [&](const auto& holds) {
-            return std::all_of(points.begin(), points.end(), [&](const Vec3d& at) {
+            return std::ranges::all_of(points, [&](const Vec3d& at) {
                 return holds(at[0]) && holds(at[1]) && holds(at[2]);
             });
         };

@@ -32,8 +32,8 @@ Topology topology_of(const Mesh& mesh) {
     for (std::size_t n = 0; n < mesh.faces(); ++n) {
         const auto face = mesh.face(n);
         sorted.assign(face.begin(), face.end());
-        std::sort(sorted.begin(), sorted.end());
-        if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) {
+        std::ranges::sort(sorted);
+        if (std::ranges::adjacent_find(sorted) != sorted.end()) {
             ++out.degenerate_faces;
             continue;
         }

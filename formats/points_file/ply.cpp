@@ -26,12 +26,12 @@ constexpr FileUse point_file{.what = "a file of points", .folder = "is not a fil
 
 /// Whether a text is printable ASCII without spaces, which all programs read.
 bool is_plain(std::string_view text) {
-    return std::all_of(text.begin(), text.end(), [](char c) { return c > 0x20 && c < 0x7f; });
+    return std::ranges::all_of(text, [](char c) { return c > 0x20 && c < 0x7f; });
 }
 
 bool is_text(std::string_view text) {
-    return std::none_of(text.begin(), text.end(),
-                        [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t'; });
+    return std::ranges::none_of(
+        text, [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t'; });
 }
 
 /// std::from_chars, except that a number too small for its type becomes the nearest value.
@@ -114,7 +114,7 @@ private:
         points_.encoding = *header.encoding;
         points_.comments = std::move(header.comments);
         begins_ = file_.size() - head.left();
-        require_size(std::find_if(header.elements.begin(), header.elements.end(), is_vertex)
+        require_size(std::ranges::find_if(header.elements, is_vertex)
                          ->bytes(points_.encoding == NumberForm::ascii));
         return true;
     }

@@ -31,7 +31,7 @@ std::size_t point_grid_index(const VdbHeader& header, const std::string& name) {
                                   name, header.grids[place].type),
                       Failure::Kind::input);
     }
-    const auto found = std::find_if(header.grids.begin(), header.grids.end(), is_points);
+    const auto found = std::ranges::find_if(header.grids, is_points);
     const auto known = header.names();
     if (found == header.grids.end())
         throw Failure(
@@ -76,7 +76,7 @@ Volume together(const Points& points, const openvdb::GridBase::ConstPtr& grid,
     const auto same = [&](const auto& each) {
         return is_point_grid(each.header()) && each.name() == grid->getName();
     };
-    const auto found = std::find_if(out.grids.begin(), out.grids.end(), same);
+    const auto found = std::ranges::find_if(out.grids, same);
     if (found == out.grids.end()) {
         out.grids.push_back(grid);
         return out;

@@ -41,8 +41,7 @@ std::string of_file(const openvdb::MetaMap& metadata, const char* name) {
 /// I, J, K and the number of frames.
 std::array<int, 4> read_shape(const std::string& text) {
     const auto out = numbers<4>(text);
-    if (!out ||
-        std::any_of(out->begin(), out->end(), [](int n) { return n < 1 || n > most_entries; }))
+    if (!out || std::ranges::any_of(*out, [](int n) { return n < 1 || n > most_entries; }))
         throw wrong_seams(
             fmt::format("'fluidcarve_shape' must be four numbers from 1 to {}, I,J,K,T, not '{}'",
                         most_entries, cut_short(text)));

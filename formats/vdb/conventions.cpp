@@ -11,7 +11,7 @@ namespace {
 
 bool has_or_triplet(const VdbHeader& header, const std::string& name) {
     const auto parts = triplet_names(name);
-    return header.find(name) || std::all_of(parts.begin(), parts.end(), [&](const auto& part) {
+    return header.find(name) || std::ranges::all_of(parts, [&](const auto& part) {
                return header.find(part).has_value();
            });
 }
@@ -21,8 +21,8 @@ bool bears_marks(const VdbHeader& header, std::string_view profile) {
     const auto creator =
         header.metadata["creator"] ? header.metadata["creator"]->str() : std::string();
     const auto any = [&](std::initializer_list<const char*> names) {
-        return std::any_of(names.begin(), names.end(),
-                           [&](const char* name) { return has_or_triplet(header, name); });
+        return std::ranges::any_of(names,
+                                   [&](const char* name) { return has_or_triplet(header, name); });
     };
     if (profile == "blender") return any({"shadow", "particles"}) && any({"velocity", "density"});
     const bool embergen = creator.find("EmberGen") != std::string::npos || any({"flames"});

@@ -92,7 +92,7 @@ VdbHeader write_vdb(const std::string& path, const Volume& volume, Codec codec,
     const auto same = [](const VdbHeader::Entry& written, const openvdb::GridBase::ConstPtr& grid) {
         return written.name == grid->getName() && written.type == grid->type();
     };
-    if (!std::equal(header.grids.begin(), header.grids.end(), grids.begin(), grids.end(), same))
+    if (!std::ranges::equal(header.grids, grids, same))
         throw Failure(fmt::format("cannot write {}: it holds {} instead of {}", path,
                                   fmt::join(header.names(), ", "), volume.names()));
     output.commit();

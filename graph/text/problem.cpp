@@ -58,8 +58,8 @@ Problems ordered(Problems problems) {
             problem.at.source ? std::string_view(problem.at.source->name) : std::string_view(),
             problem.at.line, problem.at.column);
     };
-    std::stable_sort(problems.begin(), problems.end(),
-                     [&](const Problem& a, const Problem& b) { return key(a) < key(b); });
+    std::ranges::stable_sort(problems,
+                             [&](const Problem& a, const Problem& b) { return key(a) < key(b); });
     const auto same = [&](const Problem& a, const Problem& b) {
         return key(a) == key(b) && a.message == b.message && a.also == b.also;
     };

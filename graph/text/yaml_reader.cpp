@@ -181,7 +181,7 @@ Value read_yaml(const std::shared_ptr<const Source>& source, Problems& problems,
     const auto binary = [](unsigned char c) {
         return c < 0x20 && c != '\t' && c != '\n' && c != '\r';
     };
-    if (std::any_of(source->text.begin(), source->text.end(), binary)) {
+    if (std::ranges::any_of(source->text, binary)) {
         problems.push_back({whole, "binary data: a pipeline is a text in UTF-8", {}, {}});
         return {};
     }

@@ -19,7 +19,7 @@ std::string yaml_scalar(const std::string& text, Letters letters) {
     const bool plain =
         !text.empty() && text != "~" && text != "null" && text != "Null" && text != "NULL" &&
         !marked && !sign && std::string(" #&*!|>'\"%@`").find(text[0]) == std::string::npos &&
-        text.back() != ' ' && text.back() != ':' && std::none_of(text.begin(), text.end(), escaped);
+        text.back() != ' ' && text.back() != ':' && std::ranges::none_of(text, escaped);
     return plain ? text
                  : Json(text).dump(-1, ' ', letters == Letters::ascii,
                                    Json::error_handler_t::replace);

@@ -23,9 +23,8 @@ namespace fs = std::filesystem;
 std::string family_of(std::string_view type) { return std::string(type.substr(0, type.find('.'))); }
 
 bool can_name_a_family(std::string_view name) {
-    return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-        return std::isalnum(c) || c == '_';
-    });
+    return !name.empty() &&
+           std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) || c == '_'; });
 }
 
 template <class Symbol>
@@ -151,7 +150,7 @@ std::optional<fs::path> find_file(const Value& path, const PluginTrust& trust,
         std::error_code error;
         const auto file = full_path(folder / path.text);
         if (fs::is_regular_file(file, error)) return fs::canonical(file, error);
-        if (std::find(looked.begin(), looked.end(), file.string()) == looked.end())
+        if (std::ranges::find(looked, file.string()) == looked.end())
             looked.push_back(file.string());
     }
     return std::nullopt;

@@ -37,7 +37,7 @@ void Registry::add(NodeType type) {
         if (name.empty() || find_field(common_fields, name))
             refuse(fmt::format("'{}' can't name a field", name));
         if (doc.empty()) refuse(fmt::format("'{}' has no doc", name));
-        if (std::find(seen.begin(), seen.end(), name) != seen.end())
+        if (std::ranges::find(seen, name) != seen.end())
             refuse(fmt::format("two fields are called '{}'", name));
         seen.push_back(name);
     };

@@ -152,7 +152,7 @@ std::string example(const Registry& registry, const NodeType& type, std::size_t 
 std::string cell(std::string text) {
     for (auto at = text.find('|'); at != std::string::npos; at = text.find('|', at + 2))
         text.insert(at, "\\");
-    std::replace(text.begin(), text.end(), '\n', ' ');
+    std::ranges::replace(text, '\n', ' ');
     return text.empty() ? " " : text;
 }
 
@@ -174,15 +174,13 @@ std::vector<PayloadType> travelling(const Registry& registry) {
     const auto travels = [&](const PayloadType& payload) {
         for (const auto& [name, type] : registry.nodes()) {
             const auto is = [&](const auto& port) { return port.type == payload.type; };
-            if (type.digest == payload.type &&
-                std::none_of(type.inputs.begin(), type.inputs.end(), is) &&
-                std::none_of(type.outputs.begin(), type.outputs.end(), is))
+            if (type.digest == payload.type && std::ranges::none_of(type.inputs, is) &&
+                std::ranges::none_of(type.outputs, is))
                 return false;
         }
         return true;
     };
-    std::copy_if(registry.payloads().begin(), registry.payloads().end(), std::back_inserter(out),
-                 travels);
+    std::ranges::copy_if(registry.payloads(), std::back_inserter(out), travels);
     return out;
 }
 

@@ -114,11 +114,10 @@ std::string legend(const Pipeline& pipeline, double& right) {
         x += width + 8;
     };
     for (const auto rate : {Rate::fixed, Rate::frame, Rate::sequence})
-        if (std::any_of(pipeline.nodes.begin(), pipeline.nodes.end(),
-                        [&](const Node& node) { return node.rate == rate; }))
+        if (std::ranges::any_of(pipeline.nodes,
+                                [&](const Node& node) { return node.rate == rate; }))
             chip(fill(rate), 1, meaning(rate));
-    if (std::any_of(pipeline.nodes.begin(), pipeline.nodes.end(),
-                    [](const Node& node) { return node.gathers; }))
+    if (std::ranges::any_of(pipeline.nodes, [](const Node& node) { return node.gathers; }))
         chip("#ffffff", 2.5, "gathers all frames");
     right = x - 8;
     return out;

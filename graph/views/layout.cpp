@@ -42,8 +42,7 @@ private:
         items_.resize(count);
         for (std::size_t n = 0; n < count; ++n) items_[n].height = layout_.boxes[n].height;
         auto by_source = layout_.edges;
-        std::sort(by_source.begin(), by_source.end(),
-                  [](const auto& a, const auto& b) { return a.from < b.from; });
+        std::ranges::sort(by_source, [](const auto& a, const auto& b) { return a.from < b.from; });
         for (const auto& edge : by_source)
             items_[edge.to].column = std::max(items_[edge.to].column, items_[edge.from].column + 1);
         pull_sources();
@@ -117,8 +116,7 @@ private:
                     for (const auto each : neighbours) sum += static_cast<double>(rank[each]);
                     return sum / static_cast<double>(neighbours.size());
                 };
-                std::stable_sort(column.begin(), column.end(),
-                                 [&](auto a, auto b) { return key(a) < key(b); });
+                std::ranges::stable_sort(column, [&](auto a, auto b) { return key(a) < key(b); });
             }
             if (const auto now = crossings(); now < fewest) {
                 fewest = now;

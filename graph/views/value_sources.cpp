@@ -58,7 +58,7 @@ public:
 private:
     std::string place(const Mark& mark) const {
         const auto is = [&](const Mark& file) { return file.source == mark.source; };
-        const bool file = std::any_of(document_.sources.begin(), document_.sources.end(), is);
+        const bool file = std::ranges::any_of(document_.sources, is);
         return file ? fmt::format("{}:{}", mark.source->name, mark.line) : mark.source->name;
     }
 

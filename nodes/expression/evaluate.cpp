@@ -62,9 +62,8 @@ std::vector<NamedGrid> readable_inputs(const CompiledExpression& program, const 
     std::vector<NamedGrid> out;
     for (const auto& [name, any] : inputs) {
         const auto grid = readable(name, any->grid, budget);
-        const auto read =
-            std::find_if(program.reads.begin(), program.reads.end(),
-                         [&, &name = name](const auto& each) { return each.input == name; });
+        const auto read = std::ranges::find_if(
+            program.reads, [&, &name = name](const auto& each) { return each.input == name; });
         if (read != program.reads.end() && read->vector != grid->isType<VectorGrid>())
             throw Failure(fmt::format(
                 "input '{0}' holds {1}, but {2} reads it as {3}@{0}; write {4}@{0}", name,

@@ -86,7 +86,7 @@ Mark ProgramText::place(int line, int column) const {
     }
     const auto before = std::string_view(file).substr(0, found);
     const auto begin = before.rfind('\n') + 1;
-    return {mark.source, static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1,
+    return {mark.source, static_cast<int>(std::ranges::count(before, '\n')) + 1,
             static_cast<int>(found - begin) + 1};
 }
 

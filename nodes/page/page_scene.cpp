@@ -125,8 +125,8 @@ void append_entries(const std::vector<Seams::Seam>& window, Seams::Kind kind, st
 std::vector<std::uint16_t> original_entries(const std::vector<Ref<Seams>>& sets, int frame) {
     std::vector<std::uint16_t> out;
     for (const auto& set : sets) {
-        const auto t = static_cast<std::size_t>(
-            std::find(set->frames.begin(), set->frames.end(), frame) - set->frames.begin());
+        const auto t =
+            static_cast<std::size_t>(std::ranges::find(set->frames, frame) - set->frames.begin());
         const auto columns = set->columns_per_frame();
         append_entries(set->seams, set->kind, t * columns, columns, out);
         append_entries(set->pairs, opposite(set->kind), t * columns, columns, out);
@@ -327,8 +327,8 @@ private:
         Json out = Json::array();
         const auto& numbers = frame.seams.front()->frames;
         const int last = static_cast<int>(numbers.size()) - 1;
-        const auto place = static_cast<int>(
-            std::find(numbers.begin(), numbers.end(), frame.number) - numbers.begin());
+        const auto place =
+            static_cast<int>(std::ranges::find(numbers, frame.number) - numbers.begin());
         for (int by = -reach_; by <= reach_; ++by) {
             const int number = numbers[static_cast<std::size_t>(std::clamp(place + by, 0, last))];
             out.push_back(seams_.number(std::to_string(number), [&] {

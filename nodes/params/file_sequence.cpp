@@ -24,7 +24,7 @@ bool same_place(const std::string& a, const std::string& b) { return full_path(a
 
 /// The frame whose file a frame uses: its own, else the nearest before, else the nearest after.
 int held(const InputPath& path, const std::vector<int>& frames, int frame) {
-    const auto at = std::lower_bound(frames.begin(), frames.end(), frame);
+    const auto at = std::ranges::lower_bound(frames, frame);
     const auto is_there = [&](int each) { return there(path, each); };
     if (at != frames.end() && is_there(*at)) return *at;
     const auto before = std::find_if(std::make_reverse_iterator(at), frames.rend(), is_there);
@@ -37,7 +37,7 @@ int held(const InputPath& path, const std::vector<int>& frames, int frame) {
 void tell_none(const InputPath& path, Survey& survey) {
     const auto& frames = survey.frames();
     const auto needed =
-        std::find_if(frames.begin(), frames.end(), [&](int frame) { return survey.needs(frame); });
+        std::ranges::find_if(frames, [&](int frame) { return survey.needs(frame); });
     const auto first = needed == frames.end() ? frames.front() : *needed;
     // A relative path was looked for beside its pipeline, then in the current folder.
     const auto file = path.at(first), here = PathPattern(path.text()).at(first);
@@ -52,7 +52,7 @@ void tell_none(const InputPath& path, Survey& survey) {
 /// The last frame up to this one whose file is there, else the first.
 /// @param present  rising, not empty
 int file_for(const std::vector<int>& present, int frame) {
-    const auto after = std::upper_bound(present.begin(), present.end(), frame);
+    const auto after = std::ranges::upper_bound(present, frame);
     return after == present.begin() ? *after : *std::prev(after);
 }
 
@@ -69,8 +69,8 @@ void survey_files(const InputPath& path, Missing missing, Survey& survey,
                   const std::function<void(int frame, int file)>& look) {
     const auto& frames = survey.frames();
     std::vector<int> present;
-    std::copy_if(frames.begin(), frames.end(), std::back_inserter(present),
-                 [&](int frame) { return there(path, frame); });
+    std::ranges::copy_if(frames, std::back_inserter(present),
+                         [&](int frame) { return there(path, frame); });
     if (present.empty() && !frames.empty()) return tell_none(path, survey);
     const auto look_at = [&](int frame, int file) {
         if (!survey.needs(frame)) return;

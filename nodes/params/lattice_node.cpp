@@ -61,8 +61,7 @@ std::size_t LatticeNode::worst(Value&& value) const {
     const auto less = [&](const BuiltLattice& a, const BuiltLattice& b) {
         return value(a) < value(b);
     };
-    return static_cast<std::size_t>(std::max_element(built_.begin(), built_.end(), less) -
-                                    built_.begin());
+    return static_cast<std::size_t>(std::ranges::max_element(built_, less) - built_.begin());
 }
 
 void LatticeNode::make_equal(const LatticeSpec& spec, const Context& context) {
@@ -124,9 +123,8 @@ bool LatticeNode::tell_folds(const LatticeSpec& spec, OnFold on_fold,
 
 void LatticeNode::tell_overlap(const LatticeSpec& spec, OnFold on_fold,
                                const Context& context) const {
-    const auto most =
-        std::max_element(overlaps_.begin(), overlaps_.end(),
-                         [](const Overlap& a, const Overlap& b) { return a.voxels < b.voxels; });
+    const auto most = std::ranges::max_element(
+        overlaps_, [](const Overlap& a, const Overlap& b) { return a.voxels < b.voxels; });
     if (most->voxels == 0) return;
     const auto t = static_cast<std::size_t>(most - overlaps_.begin());
     tell(on_fold, context,

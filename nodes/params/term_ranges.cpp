@@ -23,8 +23,7 @@ std::optional<TermRanges> ParamTraits<TermRanges>::parse(const Value& value, Val
     const auto is_number = [](const Value& item) {
         return item.kind == Value::Kind::scalar && item.text != "auto";
     };
-    if (value.kind == Value::Kind::list &&
-        std::none_of(value.items.begin(), value.items.end(), is_number)) {
+    if (value.kind == Value::Kind::list && std::ranges::none_of(value.items, is_number)) {
         auto each = Each::parse(value, reader);
         return each ? std::optional(TermRanges{std::move(*each), false}) : std::nullopt;
     }
@@ -39,7 +38,7 @@ std::string ParamTraits<TermRanges>::text(const TermRanges& ranges) {
 }
 
 bool TermRanges::gathers() const {
-    return std::any_of(each.begin(), each.end(), [](const auto& range) { return !range; });
+    return std::ranges::any_of(each, [](const auto& range) { return !range; });
 }
 
 void TermRanges::check(std::size_t terms, NodeCheck& check) const {

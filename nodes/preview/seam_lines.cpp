@@ -199,8 +199,7 @@ bool seams_face(const Lattice& lattice, Axis axis, const openvdb::math::Transfor
 std::size_t require_seams(const Lattice& lattice, const Seams& seams, int frame) {
     // A map of 0 seams only checks whether they fit.
     static_cast<void>(CarveMap(lattice, {Ref<Seams>(Ref<Seams>(), &seams)}, frame, 0));
-    return static_cast<std::size_t>(std::find(seams.frames.begin(), seams.frames.end(), frame) -
-                                    seams.frames.begin());
+    return static_cast<std::size_t>(std::ranges::find(seams.frames, frame) - seams.frames.begin());
 }
 
 std::vector<PictureLine> seam_lines(const Lattice& lattice, const Seams& seams, int frame,

@@ -28,7 +28,7 @@ enum class Overlay { lattice, rig, seams };
 template <class E>
 struct Several {
     std::vector<E> all;
-    bool has(E each) const { return std::find(all.begin(), all.end(), each) != all.end(); }
+    bool has(E each) const { return std::ranges::find(all, each) != all.end(); }
 };
 
 }  // namespace
@@ -182,7 +182,7 @@ private:
     using Shows = std::vector<SheetRequest::Show>;
 
     static std::size_t number_of(SheetRequest::Show how, const Shows& shows) {
-        return static_cast<std::size_t>(std::count(shows.begin(), shows.end(), how));
+        return static_cast<std::size_t>(std::ranges::count(shows, how));
     }
     /// Inputs that are drawn as lines.
     static void check_lines(const Params& params, NodeCheck& check) {

@@ -64,9 +64,8 @@ public:
 
 private:
     double head_of(const SheetRow& row) const {
-        const bool captions =
-            std::any_of(row.panels.begin(), row.panels.end(),
-                        [](const SheetPanel& panel) { return !panel.caption.empty(); });
+        const bool captions = std::ranges::any_of(
+            row.panels, [](const SheetPanel& panel) { return !panel.caption.empty(); });
         return captions ? caption : row_gap;
     }
     double band_height() const {
@@ -225,8 +224,8 @@ private:
 
     void draw_legend(double y) {
         const auto any = [&](const auto& has) {
-            return std::any_of(page_.rows.begin(), page_.rows.end(), [&](const SheetRow& row) {
-                return std::any_of(row.panels.begin(), row.panels.end(), has);
+            return std::ranges::any_of(page_.rows, [&](const SheetRow& row) {
+                return std::ranges::any_of(row.panels, has);
             });
         };
         double x = margin;

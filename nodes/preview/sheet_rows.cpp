@@ -43,8 +43,7 @@ void draw_change(const openvdb::GridBase& before, const openvdb::GridBase& after
             typed([&](const auto& a, const auto& b) { return largest_difference(a, b, view, box); },
                   before, after);
     const auto& values = out.projection.values;
-    if (std::none_of(values.begin(), values.end(),
-                     [](float value) { return value < 0 || value > 0; }))
+    if (std::ranges::none_of(values, [](float value) { return value < 0 || value > 0; }))
         out.note = "no difference";
 }
 
@@ -67,7 +66,7 @@ std::string seams_text(const Seams& seams) {
 }  // namespace
 
 bool SheetRows::shows(Show how) const {
-    return std::find(request_.shows.begin(), request_.shows.end(), how) != request_.shows.end();
+    return std::ranges::find(request_.shows, how) != request_.shows.end();
 }
 
 void SheetRows::plan(const Shown& frame) {
@@ -232,8 +231,8 @@ std::string SheetRows::caption(const Kind& kind, int plane) const {
     if (!frames_.front().data.seams || !request_.seams) return slice;
     if (face_) return slice + "; seams face this view, choose another axis";
     const auto& panels = panels_.back();
-    const bool crossed = std::any_of(panels.begin(), panels.end(),
-                                     [](const SheetPanel& panel) { return !panel.seams.empty(); });
+    const bool crossed =
+        std::ranges::any_of(panels, [](const SheetPanel& panel) { return !panel.seams.empty(); });
     return crossed ? slice
                    : slice + (frames_.front().data.seams->warp
                                   ? "; the warp moves nothing by a whole vertex there"

@@ -246,8 +246,8 @@ GridResults over_frames(const Json& frames, const std::vector<int>& sequence) {
                 classes[given].size() == 1
                     ? given
                     : given + (grid.contains("level_set") ? " (level set)" : " (no level set)");
-            auto found = std::find_if(out.begin(), out.end(),
-                                      [&](const auto& each) { return each.first == name; });
+            auto found =
+                std::ranges::find_if(out, [&](const auto& each) { return each.first == name; });
             if (found == out.end()) found = out.emplace(out.end(), name, GridResult());
             const auto last = last_place.find(name);
             found->second.add(sequence[place], grid,

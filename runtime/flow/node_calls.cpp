@@ -101,9 +101,8 @@ bool NodeCalls::hopeless(std::size_t n, const FrameRun& frame, const Wiring& wir
 bool NodeCalls::wanted(std::size_t n, std::string_view output, const auto& by,
                        const auto& works) const {
     if (node(n).kept && setup_.options.cache) return true;
-    return std::any_of(by.begin(), by.end(), [&](std::size_t reader) {
-        return works(reader) && io_.reads(reader, n, output);
-    });
+    return std::ranges::any_of(
+        by, [&](std::size_t reader) { return works(reader) && io_.reads(reader, n, output); });
 }
 
 // What is cached.

@@ -191,8 +191,7 @@ private:
         } else if (entry) {
             const auto seconds = entry->at("wall_s").get<double>();
             const double share = all_s_ > 0 ? seconds / all_s_ : 0;
-            const auto heat =
-                std::upper_bound(heats.begin(), heats.end(), share) - heats.begin() - 1;
+            const auto heat = std::ranges::upper_bound(heats, share) - heats.begin() - 1;
             out = {fmt::format("heat{}", std::max<std::ptrdiff_t>(0, heat)),
                    fmt::format("{}, {:.0f} %", duration_text(seconds), share * 100)};
         }
@@ -208,7 +207,7 @@ private:
                 (looks.empty() ? std::string() : to_svg(run_.pipeline, run_.registry, looks)) +
                 "</div>\n<ul class=\"legend\">\n";
         const auto chip = [&](const std::string& style, const std::string& meaning) {
-            const bool shown = std::any_of(looks.begin(), looks.end(), [&](const NodeLook& look) {
+            const bool shown = std::ranges::any_of(looks, [&](const NodeLook& look) {
                 return (look.style + " ").find(style + " ") != std::string::npos;
             });
             if (shown) out_ += fmt::format("<li><i class=\"{}\"></i>{}</li>\n", style, meaning);
@@ -224,8 +223,7 @@ private:
         chip("kept", "from earlier runs");
         chip("idle", "not in this run");
         chip("failed", "failed");
-        if (std::any_of(run_.pipeline.nodes.begin(), run_.pipeline.nodes.end(),
-                        [](const Node& node) { return node.gathers; }))
+        if (std::ranges::any_of(run_.pipeline.nodes, [](const Node& node) { return node.gathers; }))
             out_ += "<li><i class=\"gathers\"></i>heavy border: gathers all frames</li>\n";
         out_ += "</ul></div>\n";
     }
@@ -297,8 +295,7 @@ private:
         std::vector<std::pair<std::string, const Json*>> found;
         for (const auto& [node, entry] : entries.items()) {
             const auto is_object = [](const Json& each) { return each.is_object(); };
-            if (entry.is_object() && !entry.empty() &&
-                std::all_of(entry.begin(), entry.end(), is_object))
+            if (entry.is_object() && !entry.empty() && std::ranges::all_of(entry, is_object))
                 for (const auto& [frame, each] : entry.items())
                     found.emplace_back(
                         frame == "all" ? node : fmt::format("{}, frame {}", node, frame), &each);
@@ -307,8 +304,7 @@ private:
         for (const auto& [row, entry] : found)
             if (entry->is_object())
                 for (const auto& [field, value] : entry->items())
-                    if (std::find(fields.begin(), fields.end(), field) == fields.end())
-                        fields.push_back(field);
+                    if (std::ranges::find(fields, field) == fields.end()) fields.push_back(field);
         std::vector<std::string> heads{"node"};
         for (const auto& field : fields) heads.push_back(words(field));
         if (fields.empty()) heads.emplace_back("value");

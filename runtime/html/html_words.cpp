@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 namespace fluidcarve {
 
 std::string plain(const nlohmann::ordered_json& value) {
@@ -21,7 +23,7 @@ std::string plain(const nlohmann::ordered_json& value) {
 }
 
 std::string words(std::string name) {
-    std::replace(name.begin(), name.end(), '_', ' ');
+    std::ranges::replace(name, '_', ' ');
     return name;
 }
 

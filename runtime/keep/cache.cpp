@@ -188,9 +188,8 @@ std::optional<Cache::Entry> Cache::load(const Hash& key) {
                 continue;
             }
             const auto& types = registry_.payloads();
-            const auto type = std::find_if(
-                types.begin(), types.end(),
-                [&](const PayloadType& each) { return output.at("type") == each.name; });
+            const auto type = std::ranges::find_if(
+                types, [&](const PayloadType& each) { return output.at("type") == each.name; });
             if (type == types.end() || !type->read || type->version != output.at("version"))
                 return std::nullopt;
             const auto length = output.at("bytes").get<std::uint64_t>();
@@ -289,10 +288,9 @@ Cache::Trimmed Cache::trim(std::uint64_t most_bytes) const {
     if (!folder.fault().empty()) return out;
     std::error_code gone;
     for (const auto& file : folder.outdated()) fs::remove(file, gone);
-    std::sort(entries.begin(), entries.end(),
-              [](const WorkFolder::Entry& a, const WorkFolder::Entry& b) {
-                  return std::tie(a.used, a.path) < std::tie(b.used, b.path);
-              });
+    std::ranges::sort(entries, [](const WorkFolder::Entry& a, const WorkFolder::Entry& b) {
+        return std::tie(a.used, a.path) < std::tie(b.used, b.path);
+    });
     for (const auto& entry : entries) {
         if (out.left <= most_bytes) break;
         if (!WorkFolder::is_entry(entry.path)) continue;

@@ -62,7 +62,7 @@ void cut(const Node& node, const GrownResult& all, Payload& result, NodeLog& log
     result = growth.first(result, wanted_by(node, all.items), entry);
     if (!log.report.empty()) log.report.begin()->second = entry;
     std::erase_if(log.warnings, [&](const std::string& each) {
-        return std::find(about_all.begin(), about_all.end(), each) != about_all.end();
+        return std::ranges::find(about_all, each) != about_all.end();
     });
     if (growth.warnings)
         for (auto& warning : growth.warnings(entry)) log.warnings.push_back(std::move(warning));

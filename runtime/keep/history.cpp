@@ -137,8 +137,8 @@ std::vector<std::string> differences(const json& was, const json& now, const std
         if (found == was["files"].end()) fresh.push_back(std::stoi(frame));
         else if (*found != content) changed.push_back(std::stoi(frame));
     }
-    std::sort(changed.begin(), changed.end());
-    std::sort(fresh.begin(), fresh.end());
+    std::ranges::sort(changed);
+    std::ranges::sort(fresh);
     const auto tell = [&](const std::vector<int>& frames, const char* what) {
         if (frames.empty()) return;
         if (!shared.empty())

@@ -13,7 +13,7 @@ constexpr std::uint64_t key_version = 1;
 constexpr auto no_provenance = "no provenance";
 
 bool among(const std::vector<std::string>* fields, const std::string& name) {
-    return !fields || std::find(fields->begin(), fields->end(), name) != fields->end();
+    return !fields || std::ranges::find(*fields, name) != fields->end();
 }
 
 /// Adds type, version and parameters to a hash. @param fields  the parameters to add; null: all

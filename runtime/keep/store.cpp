@@ -46,7 +46,7 @@ bool Store::knows(std::size_t n, std::size_t place) {
         now.push_back(content->key.text());
     }
     const auto were = header->value("files", Json::array());
-    const bool current = !now.empty() && std::find(were.begin(), were.end(), now) != were.end();
+    const bool current = !now.empty() && std::ranges::find(were, now) != were.end();
     if (current) cache_.touch(key(n, place));
     return current;
 }

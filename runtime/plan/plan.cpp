@@ -63,8 +63,7 @@ std::optional<Target> target_of(const std::string& to, const char* option, const
     const bool takes = node->type->digest != typeid(void) && node->streams_in();
     if (takes && node->type->input(port)) return out;
     const auto has = [&](const OutputSpec& output) { return output.name == port; };
-    if (std::any_of(node->outputs.begin(), node->outputs.end(), has))
-        return Target{out.node, false};
+    if (std::ranges::any_of(node->outputs, has)) return Target{out.node, false};
     fault = fmt::format(
         "{}: '{}' ({}) has no output '{}'{}", option, node->name, node->type->name, port,
         takes ? ", nor an input of this name" : ", and no input that it takes frame by frame");

@@ -164,10 +164,8 @@ bool Schedule::Frame::computes() const {
 }
 
 bool Schedule::Frame::empty() const {
-    return std::all_of(results.begin(), results.end(),
-                       [](Action action) { return action == Action::none; }) &&
-           std::all_of(consumes.begin(), consumes.end(),
-                       [](Consume how) { return how == Consume::none; });
+    return std::ranges::all_of(results, [](Action action) { return action == Action::none; }) &&
+           std::ranges::all_of(consumes, [](Consume how) { return how == Consume::none; });
 }
 
 Schedule make_schedule(const Pipeline& pipeline, const Plan& plan,

@@ -121,8 +121,7 @@ std::string to_text(const Forecast& forecast) {
             {line.node, line.type, std::to_string(line.frames), std::to_string(line.cached), why});
     }
     out += text_table(rows) + "\n";
-    if (std::all_of(forecast.lines.begin(), forecast.lines.end(),
-                    [](const auto& line) { return line.why.empty(); }))
+    if (std::ranges::all_of(forecast.lines, [](const auto& line) { return line.why.empty(); }))
         return out + "nothing to do: every result is there\n";
     for (std::size_t n = 0; n < forecast.passes.size(); ++n) {
         const auto& pass = forecast.passes[n];

@@ -65,9 +65,8 @@ int exit_of(const Report& report, bool cancelled, bool stopped) {
     if (cancelled) return exit_code::interrupted;
     if (faults.empty()) return exit_code::done;
     if (!stopped) return exit_code::some_frames_failed;
-    const bool only_inputs = std::all_of(faults.begin(), faults.end(), [](const Fault& fault) {
-        return fault.kind == Failure::Kind::input;
-    });
+    const bool only_inputs = std::ranges::all_of(
+        faults, [](const Fault& fault) { return fault.kind == Failure::Kind::input; });
     return only_inputs ? exit_code::input : exit_code::node_failed;
 }
 

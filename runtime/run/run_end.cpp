@@ -46,7 +46,7 @@ void tell_outcome(const Report& report, const RunRequest& request,
                          faults.size() - most));
     if (request.quiet) return;
     for (const auto& warning : report.warnings())
-        if (std::find(told.begin(), told.end(), warning) == told.end()) tell("warning: " + warning);
+        if (std::ranges::find(told, warning) == told.end()) tell("warning: " + warning);
     for (const auto& line : report.lines()) tell(line);
     if (faults.empty() && summary["exit"] == exit_code::done) tell(done);
     if (summary["exit"] == exit_code::interrupted) tell(interrupted_text(request.options.cache));

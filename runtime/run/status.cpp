@@ -238,7 +238,7 @@ std::vector<Json> recorded_runs(const std::string& folder) {
         about["file"] = each->path().string();
         out.push_back(std::move(about));
     }
-    std::stable_sort(out.begin(), out.end(), [](const Json& a, const Json& b) {
+    std::ranges::stable_sort(out, [](const Json& a, const Json& b) {
         return a.value("started", 0.0) > b.value("started", 0.0);
     });
     return out;

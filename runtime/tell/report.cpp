@@ -122,7 +122,7 @@ void Report::failed(Fault fault) {
         return known.node == fault.node && known.frame == fault.frame &&
                known.message == fault.message;
     };
-    if (std::none_of(faults_.begin(), faults_.end(), same)) faults_.push_back(std::move(fault));
+    if (std::ranges::none_of(faults_, same)) faults_.push_back(std::move(fault));
 }
 
 std::string Report::warn(std::size_t node, const std::string& message) {
@@ -154,7 +154,7 @@ std::vector<Fault> Report::faults() const {
     const std::lock_guard lock(mutex_);
     auto out = faults_;
     const auto place = [&](const std::string& name) { return pipeline_.find(name); };
-    std::stable_sort(out.begin(), out.end(), [&](const Fault& a, const Fault& b) {
+    std::ranges::stable_sort(out, [&](const Fault& a, const Fault& b) {
         return std::tuple(a.frame.has_value() ? 0 : 1, a.frame.value_or(0), place(a.node)) <
                std::tuple(b.frame.has_value() ? 0 : 1, b.frame.value_or(0), place(b.node));
     });

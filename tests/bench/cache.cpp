@@ -39,8 +39,8 @@ void bench_runs(const std::string& name) {
         }));
     }
     const double again = seconds(3, [&] { run(true, false); });
-    std::sort(with.begin(), with.end());
-    std::sort(without.begin(), without.end());
+    std::ranges::sort(with);
+    std::ranges::sort(without);
     line(name + ".yaml: first run with cache / without", with[3] / without[3],
          fmt::format("{:.2f} s, {:.2f} s", with[3], without[3]), Better::lower);
     line(name + ".yaml: first run / second run", with[3] / again, fmt::format("{:.3f} s", again));

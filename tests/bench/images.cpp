@@ -141,7 +141,7 @@ void compare_on_images(const std::string& folder, const std::string& out, int se
     for (const auto& entry : std::filesystem::directory_iterator(folder))
         if (entry.path().extension() == ".png") files.push_back(entry.path().string());
     if (files.empty()) throw std::runtime_error(folder + " holds no PNG files");
-    std::sort(files.begin(), files.end());
+    std::ranges::sort(files);
     std::vector<Picture> pictures;
     for (const auto& file : files) {
         pictures.push_back(read_png(file));

@@ -91,8 +91,9 @@ Carved by_dynamic(const Image& image, const Volume& volume) {
 /// A picture of 8 bits and three channels, carved by liblqr. The caller destroys it.
 LqrCarver* carver_of(const Image& image, int narrow) {
     auto* const bytes = static_cast<guchar*>(g_malloc(image.pixels.size()));
-    std::transform(image.pixels.begin(), image.pixels.end(), bytes,
-                   [](float value) { return static_cast<guchar>(std::lround(255 * value)); });
+    std::ranges::transform(image.pixels, bytes, [](float value) {
+        return static_cast<guchar>(std::lround(255 * value));
+    });
     auto* const carver = lqr_carver_new(bytes, image.data.width, image.data.height, 3);
     if (!carver || lqr_carver_init(carver, 1, 0) != LQR_OK ||
         lqr_carver_set_energy_function_builtin(carver, LQR_EF_LUMA_GRAD_SUMABS) != LQR_OK ||

@@ -23,7 +23,7 @@ inline double seconds(int runs, const std::function<void()>& call) {
         all.push_back(
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }
-    std::sort(all.begin(), all.end());
+    std::ranges::sort(all);
     return all[all.size() / 2];
 }
 

@@ -105,8 +105,8 @@ private:
         double low = std::numeric_limits<double>::infinity(), high = -low;
         std::size_t count = 2;
         for (const auto& curve : panel.curves) {
-            low = std::min(low, *std::min_element(curve.values.begin(), curve.values.end()));
-            high = std::max(high, *std::max_element(curve.values.begin(), curve.values.end()));
+            low = std::min(low, *std::ranges::min_element(curve.values));
+            high = std::max(high, *std::ranges::max_element(curve.values));
             count = std::max(count, curve.values.size());
         }
         const double step = step_of(std::max(high - low, 1e-9));

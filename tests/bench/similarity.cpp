@@ -36,7 +36,7 @@ void mean_along(std::span<const float> in, std::span<float> out, std::size_t len
     };
     std::vector<double> sum(stride);
     for (std::size_t base = 0; base < in.size(); base += length * stride) {
-        std::fill(sum.begin(), sum.end(), 0.0);
+        std::ranges::fill(sum, 0.0);
         for (int n = -radius; n <= radius; ++n)
             for (std::size_t s = 0; s < stride; ++s) sum[s] += in[base + place(n) + s];
         for (int n = 0; n < end; ++n) {
@@ -294,11 +294,11 @@ double visible_width(const Samples& samples, float visible) {
     const auto [width, laterals, slices] = samples.shape;
     std::vector<bool> lit(width);
     for (std::size_t plane = 0; plane < samples.frames * slices; ++plane) {
-        std::fill(lit.begin(), lit.end(), false);
+        std::ranges::fill(lit, false);
         for (std::size_t j = 0; j < laterals; ++j)
             for (std::size_t i = 0; i < width; ++i)
                 lit[i] = lit[i] || samples.row(plane * laterals + j)[i] > visible;
-        const auto count = std::count(lit.begin(), lit.end(), true);
+        const auto count = std::ranges::count(lit, true);
         sum += static_cast<double>(count);
         lines += count > 0 ? 1 : 0;
     }

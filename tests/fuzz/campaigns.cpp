@@ -13,8 +13,7 @@ namespace {
 using Words = std::vector<std::string>;
 
 std::string ascii_or_binary(const std::string& file, Random& random) {
-    const bool text =
-        std::none_of(file.begin(), file.end(), [](char c) { return c < 0 || c == '\0'; });
+    const bool text = std::ranges::none_of(file, [](char c) { return c < 0 || c == '\0'; });
     return random() % (text ? 3 : 8) ? (text ? retold : damaged)(file, random)
                                      : (text ? damaged : retold)(file, random);
 }
@@ -39,8 +38,8 @@ Campaign through(std::string name, double share, std::vector<Source> from,
 
 std::vector<Source> vdb_files(const std::vector<Source>& sources) {
     std::vector<Source> out;
-    std::copy_if(sources.begin(), sources.end(), std::back_inserter(out),
-                 [](const auto& each) { return each.ending == ".vdb"; });
+    std::ranges::copy_if(sources, std::back_inserter(out),
+                         [](const auto& each) { return each.ending == ".vdb"; });
     return out;
 }
 

@@ -52,9 +52,9 @@ public:
     /// The place of a text of the file's metadata.
     const Place& to_text(const std::string& name) const {
         const auto named = source_.bytes.find(name);
-        const auto found = std::find_if(
-            source_.places.begin(), source_.places.end(),
-            [&](const auto& each) { return each.part == Part::metadata_text && each.at > named; });
+        const auto found = std::ranges::find_if(source_.places, [&](const auto& each) {
+            return each.part == Part::metadata_text && each.at > named;
+        });
         if (named == std::string::npos || found == source_.places.end())
             throw std::runtime_error("there is no metadata " + name);
         return *found;

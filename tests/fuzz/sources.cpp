@@ -149,7 +149,7 @@ Sources make_sources(const std::string& program, const std::string& folder) {
     std::vector<std::string> shipped;
     for (const auto& entry : fs::directory_iterator(SOURCE_ROOT "/pipelines"))
         if (entry.path().extension() == ".yaml") shipped.push_back(Scratch::read(entry.path()));
-    std::sort(shipped.begin(), shipped.end());
+    std::ranges::sort(shipped);
     for (const auto& each : shipped) out.pipelines.push_back({".yaml", each});
     return out;
 }

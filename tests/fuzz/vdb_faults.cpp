@@ -176,7 +176,7 @@ std::string retold_at(const std::string& file, const std::vector<Place>& places,
 
 std::string with_tile(const std::string& file, const std::vector<Place>& places,
                       const Place& tile_count, std::int32_t x, std::int32_t y, std::int32_t z) {
-    const auto background = std::find_if(places.begin(), places.end(), [&](const auto& each) {
+    const auto background = std::ranges::find_if(places, [&](const auto& each) {
         return each.part == Part::value && each.at + each.size == tile_count.at;
     });
     std::string tile(3 * sizeof(std::int32_t), '\0');
@@ -194,8 +194,8 @@ std::string faulty_vdb(const std::string& file, const std::vector<Place>& places
     const auto part =
         *std::next(parts.begin(), static_cast<std::ptrdiff_t>(below(random, parts.size())));
     std::vector<Place> same;
-    std::copy_if(places.begin(), places.end(), std::back_inserter(same),
-                 [&](const auto& each) { return each.part == part; });
+    std::ranges::copy_if(places, std::back_inserter(same),
+                         [&](const auto& each) { return each.part == part; });
     const auto& place = any_of(same, random);
     auto out = file;
     switch (part) {
@@ -265,8 +265,8 @@ std::string faulty_vdb(const std::string& file, const std::vector<Place>& places
 std::string faulty_seams(const std::string& file, const std::vector<Place>& places,
                          Random& random) {
     std::vector<Place> texts;
-    std::copy_if(places.begin(), places.end(), std::back_inserter(texts),
-                 [](const auto& each) { return each.part == Part::metadata_text; });
+    std::ranges::copy_if(places, std::back_inserter(texts),
+                         [](const auto& each) { return each.part == Part::metadata_text; });
     return retold_at(file, places, any_of(texts, random), any_of(words, random));
 }
 

@@ -214,7 +214,7 @@ TEST_CASE("tasks load the plugins that the farm was trusted to load") {
     CHECK(by_folder.at(0) == "env");
     CHECK(by_folder.at(1) == "FLUIDCARVE_PLUGINS=" PLUGINS);
     const auto by_option = first_words("", " --allow-plugins");
-    CHECK(std::find(by_option.begin(), by_option.end(), "--allow-plugins") != by_option.end());
+    CHECK(std::ranges::find(by_option, "--allow-plugins") != by_option.end());
     CHECK(by_option.at(0) != "env");
 }
 

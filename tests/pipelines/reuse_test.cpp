@@ -92,7 +92,7 @@ std::vector<fs::path> files_below(const std::string& folder) {
     std::vector<fs::path> out;
     for (const auto& each : fs::recursive_directory_iterator(folder))
         if (each.is_regular_file()) out.push_back(each.path());
-    std::sort(out.begin(), out.end());
+    std::ranges::sort(out);
     return out;
 }
 

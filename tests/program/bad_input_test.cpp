@@ -52,7 +52,7 @@ public:
         std::error_code none;
         for (const auto& entry : fs::directory_iterator(scratch / folder, none))
             out.push_back(entry.path().filename().string());
-        std::sort(out.begin(), out.end());
+        std::ranges::sort(out);
         return out;
     }
 

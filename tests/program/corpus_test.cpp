@@ -17,7 +17,7 @@ std::vector<fs::path> corpus() {
     std::vector<fs::path> out;
     for (const auto& entry : fs::directory_iterator(SOURCE_ROOT "/tests/fuzz/corpus"))
         if (entry.path().extension() != ".md") out.push_back(entry.path());
-    std::sort(out.begin(), out.end());
+    std::ranges::sort(out);
     return out;
 }
 

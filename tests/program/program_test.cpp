@@ -17,7 +17,7 @@ std::vector<std::string> shipped_pipelines() {
     for (const auto& entry : fs::recursive_directory_iterator(SOURCE_ROOT "/pipelines"))
         if (entry.path().extension() == ".yaml")
             out.push_back(fs::relative(entry.path(), SOURCE_ROOT).string());
-    std::sort(out.begin(), out.end());
+    std::ranges::sort(out);
     return out;
 }
 
@@ -25,7 +25,7 @@ std::vector<std::string> files_in(const Scratch& scratch) {
     std::vector<std::string> out;
     for (const auto& entry : fs::recursive_directory_iterator(scratch.path()))
         out.push_back(entry.path().filename().string());
-    std::sort(out.begin(), out.end());
+    std::ranges::sort(out);
     return out;
 }
 
@@ -98,10 +98,10 @@ TEST_CASE("every shipped pipeline opens with its purpose, is good, and runs", "[
         const auto is_result = [&](const std::string& file) {
             return file.starts_with(shot ? "smoke." : "out.");
         };
-        CHECK(std::count_if(files.begin(), files.end(), is_result) == static_cast<long>(frames));
-        CHECK(std::find(files.begin(), files.end(), "sheet.png") != files.end());
+        CHECK(std::ranges::count_if(files, is_result) == static_cast<long>(frames));
+        CHECK(std::ranges::find(files, "sheet.png") != files.end());
         if (shot || text.find("type: seams.write") != std::string::npos)
-            CHECK(std::find(files.begin(), files.end(), "seams.vdb") != files.end());
+            CHECK(std::ranges::find(files, "seams.vdb") != files.end());
         for (const auto& energy : report["seams"]
                                       .value("seams", nlohmann::json::object())
                                       .value("energy", nlohmann::json::array()))

@@ -128,7 +128,7 @@ public:
         for (auto c = graph.count(); c-- > 0;) {
             for (int entry = band.columns[c].first; entry <= band.columns[c].last; ++entry)
                 costs_[c].push_back(cost(c, entry));
-            rest_[c] = rest_[c + 1] + *std::min_element(costs_[c].begin(), costs_[c].end());
+            rest_[c] = rest_[c + 1] + *std::ranges::min_element(costs_[c]);
         }
         at_.resize(graph.count());
         descend(0, 0);

@@ -106,8 +106,8 @@ void carve(Dense<T>& dense, const Layout& layout, const Seams& seams, std::size_
             take(seams.pairs, opposite(seams.kind));
             for (int i = 0; i < size; ++i) {
                 const auto own = before[static_cast<std::size_t>(i)];
-                if (std::count(left.begin(), left.end(), i)) after.push_back(own);
-                for (auto n = std::count(doubled.begin(), doubled.end(), i); n > 0; --n)
+                if (std::ranges::count(left, i)) after.push_back(own);
+                for (auto n = std::ranges::count(doubled, i); n > 0; --n)
                     after.push_back(mean(own, before.at(static_cast<std::size_t>(i + 1))));
             }
             after.resize(std::max(before.size(), after.size()), Voxel{background, false});
@@ -133,7 +133,7 @@ inline Seams random_seams(std::mt19937& random, const Lattice& lattice,
     for (std::size_t c = 0; c < columns; ++c) {
         std::vector<int> free;
         for (int i = 0; i + 1 < out.before(); ++i) free.push_back(i);
-        std::shuffle(free.begin(), free.end(), random);
+        std::ranges::shuffle(free, random);
         for (int n = 0; n < count; ++n)
             out.seams[static_cast<std::size_t>(n)].at.all()[c] = static_cast<std::uint16_t>(
                 kind == Seams::Kind::insert
@@ -158,7 +158,7 @@ inline Seams random_pairs(std::mt19937& random, const Lattice& lattice,
                               int last) {
             std::vector<int> free;
             for (int i = first; i <= last; ++i) free.push_back(i);
-            std::shuffle(free.begin(), free.end(), random);
+            std::ranges::shuffle(free, random);
             for (int n = 0; n < count; ++n)
                 window[static_cast<std::size_t>(n)].at.all()[c] = static_cast<std::uint16_t>(
                     kind == Seams::Kind::insert

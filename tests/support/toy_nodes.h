@@ -53,7 +53,7 @@ struct Log {
     std::vector<std::string> sorted() {
         const std::lock_guard lock(mutex);
         auto out = lines;
-        std::sort(out.begin(), out.end());
+        std::ranges::sort(out);
         return out;
     }
     void reset() {
@@ -127,7 +127,7 @@ struct Total {
         order.push_back(context.frame());
     }
     void finish(const Params&, Ports& io, Context& context) {
-        if (!std::is_sorted(order.begin(), order.end())) throw Failure("frames came out of order");
+        if (!std::ranges::is_sorted(order)) throw Failure("frames came out of order");
         io.total = std::make_shared<Number>(sum + (io.start ? io.start->value : 0));
         context.report("totals", {{"frames", order.size()}, {"sum", sum}});
         log.add(fmt::format("finish {}", order.size()));

@@ -26,7 +26,7 @@ struct GridFile {
     std::function<openvdb::GridBase::ConstPtr(std::size_t place)> grid;
 
     std::optional<std::size_t> find(const std::string& name) const {
-        const auto found = std::find(names.begin(), names.end(), name);
+        const auto found = std::ranges::find(names, name);
         return found == names.end()
                    ? std::nullopt
                    : std::optional(static_cast<std::size_t>(found - names.begin()));

@@ -104,8 +104,8 @@ Verdict Thresholds::judge(const PartDifference& part) const {
 void SequenceComparison::add(int frame, const std::vector<PartDifference>& found,
                              const Thresholds& thresholds) {
     for (const auto& part : found) {
-        auto known = std::find_if(parts.begin(), parts.end(),
-                                  [&](const auto& each) { return each.sums.name == part.name; });
+        auto known = std::ranges::find_if(
+            parts, [&](const auto& each) { return each.sums.name == part.name; });
         if (known == parts.end()) {
             known = parts.insert(parts.end(), PartComparison());
             known->sums.name = part.name;
@@ -116,8 +116,8 @@ void SequenceComparison::add(int frame, const std::vector<PartDifference>& found
         known->verdict = std::max(known->verdict, verdict);
         if (verdict == Verdict::different) known->differing.push_back(frame);
         for (const auto& fault : part.faults) {
-            auto same = std::find_if(known->faults.begin(), known->faults.end(),
-                                     [&](const auto& each) { return each.first == fault; });
+            auto same = std::ranges::find_if(known->faults,
+                                             [&](const auto& each) { return each.first == fault; });
             if (same == known->faults.end())
                 same = known->faults.insert(known->faults.end(), {fault, {}});
             same->second.push_back(frame);

@@ -18,8 +18,7 @@
 namespace fluidcarve {
 
 void Oddities::add(const std::string& text, const std::string& name) {
-    auto found = std::find_if(all_.begin(), all_.end(),
-                              [&](const auto& each) { return each.first == text; });
+    auto found = std::ranges::find_if(all_, [&](const auto& each) { return each.first == text; });
     if (found == all_.end()) found = all_.insert(all_.end(), {text, {}});
     if (!name.empty()) found->second.push_back(name);
 }

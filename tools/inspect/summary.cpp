@@ -74,8 +74,7 @@ private:
     Json merged_field(const Seen& values, const std::string& key, const std::string& name) {
         const auto& first = *values.front().second;
         if (key == "metadata") return shared(values);
-        if (std::all_of(values.begin(), values.end(),
-                        [&](const auto& each) { return *each.second == first; }))
+        if (std::ranges::all_of(values, [&](const auto& each) { return *each.second == first; }))
             return first;
         if (key == "box") tell("the box of active voxels changes from frame to frame", name);
         if (key == "box" || key == "world_box") return union_of_boxes(values);
@@ -103,8 +102,8 @@ private:
         for (const auto& each : values) {
             const auto text = each.second->is_string() ? each.second->get<std::string>()
                                                        : json_text(*each.second);
-            auto group = std::find_if(groups.begin(), groups.end(),
-                                      [&](const auto& other) { return other.first == text; });
+            auto group = std::ranges::find_if(
+                groups, [&](const auto& other) { return other.first == text; });
             if (group == groups.end()) group = groups.insert(groups.end(), {text, {}});
             group->second.push_back(each);
         }
@@ -124,8 +123,8 @@ Json oddities_of(const std::vector<LookedAt>& files) {
     for (const auto& [frame, facts] : files)
         for (const auto& oddity : facts.at("oddities")) {
             const auto text = oddity.get<std::string>();
-            auto found = std::find_if(all.begin(), all.end(),
-                                      [&](const auto& each) { return each.first == text; });
+            auto found =
+                std::ranges::find_if(all, [&](const auto& each) { return each.first == text; });
             if (found == all.end()) found = all.insert(all.end(), {text, {}});
             found->second.push_back(frame);
         }

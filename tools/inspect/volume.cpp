@@ -204,8 +204,8 @@ std::string transform_lines(const Json& all) {
     for (const auto& grid : all) {
         const auto place = transform_text(grid["transform"]);
         const auto name = grid["name"].get<std::string>();
-        if (const auto found = std::find_if(places.begin(), places.end(),
-                                            [&](const auto& each) { return each.first == place; });
+        if (const auto found =
+                std::ranges::find_if(places, [&](const auto& each) { return each.first == place; });
             found != places.end())
             found->second += ", " + name;
         else places.emplace_back(place, name);

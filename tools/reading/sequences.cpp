@@ -76,14 +76,14 @@ std::vector<FileSequence> sequences_of(const std::vector<std::string>& paths) {
         const Key key{parts.before, parts.digits.empty() ? parts.ending : "#" + parts.ending};
         auto& files = groups[key];
         if (files.empty()) order.push_back(key);
-        if (std::find(files.begin(), files.end(), path) == files.end()) files.push_back(path);
+        if (std::ranges::find(files, path) == files.end()) files.push_back(path);
     }
     std::vector<FileSequence> out;
     for (const auto& key : order) {
         const auto& files = groups[key];
         if (auto sequence = files.size() > 1 ? as_one(files) : std::nullopt)
             out.push_back(std::move(*sequence));
-        else std::transform(files.begin(), files.end(), std::back_inserter(out), alone);
+        else std::ranges::transform(files, std::back_inserter(out), alone);
     }
     return out;
 }
@@ -95,7 +95,7 @@ std::vector<FileSequence> sequences_in(const std::string& folder,
     const auto all = paths.size();
     std::erase_if(paths, [&](const auto& path) { return !wanted(path); });
     others = all - paths.size();
-    std::sort(paths.begin(), paths.end());
+    std::ranges::sort(paths);
     return sequences_of(paths);
 }
 

@@ -71,8 +71,7 @@ std::string wrong_verb(const CLI::App& app, int argc, const char* const* argv) {
         return fmt::format("fluidcarve needs a verb: {}; `fluidcarve VERB --help` says more\n",
                            fmt::join(names, ", "));
     const std::string first = argv[1];
-    if (first.starts_with('-') || std::find(names.begin(), names.end(), first) != names.end())
-        return {};
+    if (first.starts_with('-') || std::ranges::find(names, first) != names.end()) return {};
     return fmt::format("there is no verb '{}'{}\n", first, did_you_mean(first, names));
 }
 

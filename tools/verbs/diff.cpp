@@ -148,8 +148,7 @@ private:
     const FileComparer* comparer_of(const std::string& path) const {
         const auto ending = ending_of(path);
         for (const auto& comparer : comparers())
-            if (std::find(comparer.endings.begin(), comparer.endings.end(), ending) !=
-                comparer.endings.end())
+            if (std::ranges::find(comparer.endings, ending) != comparer.endings.end())
                 return &comparer;
         return nullptr;
     }
@@ -203,8 +202,8 @@ private:
             return fs::path(sequence.path.text()).filename().string();
         };
         const auto find = [&](const std::vector<FileSequence>& among, const FileSequence& wanted) {
-            return std::find_if(among.begin(), among.end(),
-                                [&](const auto& each) { return name(each) == name(wanted); });
+            return std::ranges::find_if(
+                among, [&](const auto& each) { return name(each) == name(wanted); });
         };
         for (const auto& [folder, all] :
              {std::pair(request_.a, &in_a), std::pair(request_.b, &in_b)})

@@ -37,8 +37,7 @@ bool well_formed(const std::string& name) {
         const auto small = [](char c) { return c >= 'a' && c <= 'z'; };
         const auto fits = [&](char c) { return small(c) || (c >= '0' && c <= '9') || c == '_'; };
         return !word.empty() && small(word.front()) && word.back() != '_' &&
-               std::all_of(word.begin(), word.end(), fits) &&
-               word.find("__") == std::string_view::npos;
+               std::ranges::all_of(word, fits) && word.find("__") == std::string_view::npos;
     };
     return is_word(std::string_view(name).substr(0, dot)) &&
            is_word(std::string_view(name).substr(dot + 1));

@@ -49,7 +49,7 @@ struct NodesArguments {
 int nodes(const NodesArguments& arguments, const Registry& registry) {
     const auto& [type, json, markdown] = arguments;
     const auto families = registry.families();
-    if (std::find(families.begin(), families.end(), type) != families.end()) {
+    if (std::ranges::find(families, type) != families.end()) {
         if (json) print_json(family_to_json(registry, type));
         else print(markdown ? family_to_markdown(registry, type) : listing(registry, type));
     } else if (!type.empty()) {

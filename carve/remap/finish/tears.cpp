@@ -116,7 +116,7 @@ std::vector<Tear> find_tears(const Volume& volume, const Lattice& given, const C
         carved.max()[step.axis()] = step.last();
     }
     const auto is_density = [](const auto& grid) { return grid.name() == "density"; };
-    const bool by_density = std::any_of(volume.grids.begin(), volume.grids.end(), is_density);
+    const bool by_density = std::ranges::any_of(volume.grids, is_density);
     std::vector<Tear> out;
     for (const auto& each : volume.grids) {
         if (by_density && !is_density(each)) continue;
@@ -131,9 +131,8 @@ std::vector<Tear> find_tears(const Volume& volume, const Lattice& given, const C
                         continue;
                     const double share =
                         share_of(values, lattice, map, before, carved, {axis, high});
-                    const bool own_end =
-                        std::any_of(map.steps().begin(), map.steps().end(),
-                                    [&](const auto& step) { return step.axis() == axis; });
+                    const bool own_end = std::ranges::any_of(
+                        map.steps(), [&](const auto& step) { return step.axis() == axis; });
                     if (share > 0)
                         out.push_back(
                             {grid->getName(),

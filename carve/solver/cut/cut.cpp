@@ -197,7 +197,7 @@ void Cut::fill(const Band& band, const CostOf& cost_of, const LiftsOf& lifts_of)
                 const auto& column = graph_.columns[c];
                 costs.resize(static_cast<std::size_t>(column.size()) + 1);
                 cost_of(c, band.columns[c], costs.data());
-                if (reversed_) std::reverse(costs.begin(), costs.end());
+                if (reversed_) std::ranges::reverse(costs);
                 if (lifts_of) add_lifts(c, lifts_of, costs, scratch);
                 sum += fill_column(graph_, column, costs);
             }

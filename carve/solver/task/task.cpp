@@ -103,7 +103,7 @@ struct WindowOfTask {
 
 SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int finest) {
     const auto form = space.form();
-    if (*std::min_element(form.shape.begin(), form.shape.end()) < 1)
+    if (*std::ranges::min_element(form.shape) < 1)
         throw Failure(fmt::format("the seams of `after` leave nothing to carve: {} vertices",
                                   fmt::join(form.shape, " x ")));
     return task_of(params, form, space.carved(), finest);
@@ -185,8 +185,8 @@ Seams empty_seams(const SolverParams& params, const SeamTask& task, const Carved
     out.anchor = params.anchor;
     std::vector<std::string> hashes;
     for (const auto& of_frame : space.lattices()) hashes.push_back(of_frame->hash);
-    const bool same = std::all_of(hashes.begin(), hashes.end(),
-                                  [&](const auto& hash) { return hash == hashes.front(); });
+    const bool same =
+        std::ranges::all_of(hashes, [&](const auto& hash) { return hash == hashes.front(); });
     out.lattice_hash = same ? hashes.front() : fmt::format("{}", fmt::join(hashes, ","));
     return out;
 }

@@ -36,7 +36,7 @@ constexpr int rows_at_once = 256;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& reason) {
     auto text = reason;
-    std::replace(text.begin(), text.end(), '\n', ' ');
+    std::ranges::replace(text, '\n', ' ');
     throw Failure(fmt::format("cannot read {}: {}", path, text), Failure::Kind::input);
 }
 

@@ -79,8 +79,7 @@ void ExpressionChecker::name_fault(const Node& node, const std::string& name,
 void ExpressionChecker::check_names() {
     if (!writes_)
         faults_.push_back({"code", 0, 0, fmt::format("never writes @{}", expression_.output)});
-    if (std::find(expression_.inputs.begin(), expression_.inputs.end(), expression_.output) !=
-        expression_.inputs.end())
+    if (std::ranges::find(expression_.inputs, expression_.output) != expression_.inputs.end())
         faults_.push_back(
             {"inputs", 0, 0,
              fmt::format("can't have the name '{}': it is the output's name", expression_.output)});
@@ -114,7 +113,7 @@ ExpressionChecker::KnownValue ExpressionChecker::joined(const KnownValue& a, con
 void ExpressionChecker::require_offered(const Node& node, Type type) {
     constexpr std::array offered{tokens::BOOL,   tokens::INT32, tokens::INT64, tokens::FLOAT,
                                  tokens::DOUBLE, tokens::VEC3I, tokens::VEC3F, tokens::VEC3D};
-    if (std::find(offered.begin(), offered.end(), type) == offered.end())
+    if (std::ranges::find(offered, type) == offered.end())
         fault(node, fmt::format("the type '{}' is not supported; use float, vec3f, int, bool, "
                                 "double, vec3d, vec3i or int64",
                                 tokens::typeStringFromToken(type)));
@@ -212,7 +211,7 @@ ExpressionChecker::KnownValue ExpressionChecker::attribute(const ast::Attribute&
         return known(tokens::FLOAT);
     }
     const auto& inputs = expression_.inputs;
-    const bool input = std::find(inputs.begin(), inputs.end(), node.name()) != inputs.end();
+    const bool input = std::ranges::find(inputs, node.name()) != inputs.end();
     const bool moment = !input && (node.name() == frame_input || node.name() == time_input);
     if (moment && type != tokens::FLOAT) {
         name_fault(node, "@" + node.name(),
@@ -236,8 +235,8 @@ ExpressionChecker::KnownValue ExpressionChecker::attribute(const ast::Attribute&
 }
 
 void ExpressionChecker::note_read(const Node& node, const std::string& name, bool vector) {
-    const auto found = std::find_if(reads_.begin(), reads_.end(),
-                                    [&](const auto& read) { return read.input == name; });
+    const auto found =
+        std::ranges::find_if(reads_, [&](const auto& read) { return read.input == name; });
     if (found == reads_.end()) {
         const auto [line, column] = source_.place(node);
         reads_.push_back({name, vector, line, column});
@@ -248,8 +247,7 @@ void ExpressionChecker::note_read(const Node& node, const std::string& name, boo
 }
 
 bool ExpressionChecker::reads(const std::string& name) const {
-    return std::any_of(reads_.begin(), reads_.end(),
-                       [&](const auto& read) { return read.input == name; });
+    return std::ranges::any_of(reads_, [&](const auto& read) { return read.input == name; });
 }
 
 ExpressionChecker::KnownValue ExpressionChecker::external(const ast::ExternalVariable& node) {
@@ -287,7 +285,7 @@ ExpressionChecker::KnownValue ExpressionChecker::local(const ast::Local& node) {
     const auto& inputs = expression_.inputs;
     std::string remedy = did_you_mean(name, declared);
     if (name == expression_.output) remedy = fmt::format("; write @{} for the output", name);
-    else if (std::find(inputs.begin(), inputs.end(), name) != inputs.end())
+    else if (std::ranges::find(inputs, name) != inputs.end())
         remedy = fmt::format("; write @{0} or v@{0} for the input", name);
     else if (expression_.constants.contains(name))
         remedy = fmt::format("; write ${0} or v${0} for the param", name);
@@ -395,8 +393,8 @@ ExpressionChecker::KnownValue ExpressionChecker::call(const ast::FunctionCall& n
     if (name.starts_with("get")) asks_where_ = true;
     if (name.ends_with("mod") && arguments.size() == 2)
         require_divisor(*node.child(1), arguments[0], arguments[1]);
-    const bool fraction = std::any_of(arguments.begin(), arguments.end(),
-                                      [](const KnownValue& each) { return each.fraction; });
+    const bool fraction =
+        std::ranges::any_of(arguments, [](const KnownValue& each) { return each.fraction; });
     return {Type::UNKNOWN,
             found->second == Gives::fraction || (found->second == Gives::as_given && fraction)};
 }

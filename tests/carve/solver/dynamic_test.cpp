@@ -26,7 +26,7 @@ double least_energy(const EnergyVolume& energy, std::size_t columns, Window wind
                       energies_of(energy)(c, window.first + static_cast<int>(i));
         }
     }
-    return *std::min_element(ways.begin(), ways.end());
+    return *std::ranges::min_element(ways);
 }
 
 }  // namespace
@@ -121,8 +121,7 @@ TEST_CASE(
     const auto flat = volume_of(ColumnGraph({7, 1, 1}), 5, [](std::size_t, int) { return 1.0; });
     for (const int number : {0, 1}) {
         const auto seam = DynamicSeams()(flat, {1, 4}, number, nobody);
-        CHECK(std::all_of(seam.at.begin(), seam.at.end(),
-                          [&](auto entry) { return entry == seam.at[0]; }));
+        CHECK(std::ranges::all_of(seam.at, [&](auto entry) { return entry == seam.at[0]; }));
     }
     // The last column holds a seam in the middle, and the one before it is dear there.
     const auto fork = volume_of(ColumnGraph({2, 1, 1}), 5, [](std::size_t c, int entry) {

@@ -61,7 +61,7 @@ Seams random_set(std::mt19937& random, Seams out, int count) {
     for (std::size_t c = 0; c < out.columns(); ++c) {
         std::vector<int> all;
         for (int t = 0; t < frame_count; ++t) all.push_back(t);
-        std::shuffle(all.begin(), all.end(), random);
+        std::ranges::shuffle(all, random);
         for (std::size_t n = 0; n < entries.size(); ++n) {
             // A removal counts what those before it leave.
             int entry = all[n];

@@ -91,7 +91,7 @@ TEST_CASE("trees of all kinds and codecs pass the check and are read as they are
             if (RawGrid::of(grid.header())) continue;
             const auto same = [&](const auto& each) { return each->getName() == grid->getName(); };
             CHECK(grid->activeVoxelCount() ==
-                  (*std::find_if(grids.begin(), grids.end(), same))->activeVoxelCount());
+                  (*std::ranges::find_if(grids, same))->activeVoxelCount());
         }
     }
 }

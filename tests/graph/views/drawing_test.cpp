@@ -124,9 +124,9 @@ TEST_CASE("boxes stand in columns, apart, with every edge pointing right") {
                                                                                    {4, 9}})
         layout.edges.push_back({std::min(from, to), std::max(from, to), {}});
     layout.place();
-    CHECK(std::min_element(layout.boxes.begin(), layout.boxes.end(),
-                           [](const auto& a, const auto& b) { return a.y < b.y; })
-              ->y < 30);
+    CHECK(std::ranges::min_element(layout.boxes, [](const auto& a, const auto& b) {
+              return a.y < b.y;
+          })->y < 30);
     for (std::size_t a = 0; a < layout.boxes.size(); ++a) {
         const auto& one = layout.boxes[a];
         CHECK(one.x >= 0);

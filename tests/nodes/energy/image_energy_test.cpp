@@ -70,7 +70,7 @@ double least_energy(const EnergyVolume& energy) {
                                             static_cast<std::size_t>(i)]));
         }
     }
-    return *std::min_element(ways.begin(), ways.end());
+    return *std::ranges::min_element(ways);
 }
 
 const Tick nobody = [](double) {};

@@ -20,11 +20,11 @@ struct At {
     std::vector<int> frames;
     Context::Host host;
     Context operator()(int frame, std::vector<std::string> wanted = {"volume"}) {
-        const auto place = std::find(frames.begin(), frames.end(), frame) - frames.begin();
+        const auto place = std::ranges::find(frames, frame) - frames.begin();
         return Context(host, frames)
             .at(static_cast<std::size_t>(place))
             .wanting([wanted](std::string_view name) {
-                return std::find(wanted.begin(), wanted.end(), name) != wanted.end();
+                return std::ranges::find(wanted, name) != wanted.end();
             });
     }
 };

@@ -65,8 +65,7 @@ TEST_CASE("voxels in several cells are those that are found there one by one, sl
         }
         const auto overlap = count_overlap(mapping, *cubes);
         CHECK(overlap.voxels == shared);
-        if (shared > 0)
-            CHECK(overlap.plane == std::max_element(lowest.begin(), lowest.end()) - lowest.begin());
+        if (shared > 0) CHECK(overlap.plane == std::ranges::max_element(lowest) - lowest.begin());
         return shared;
     };
     const auto built = [](const Rig& rig, const LatticeSpec& spec) {

@@ -411,12 +411,12 @@ TEST_CASE("between formats all travels that the other can hold, and the rest is 
     const auto stl = written(scratch, "a.stl", mesh);
     CHECK(stl.losses[0] ==
           "UVs of corners are not written: .stl holds nothing but triangles and their normals");
-    CHECK(std::count(
-              stl.losses.begin(), stl.losses.end(),
+    CHECK(std::ranges::count(
+              stl.losses,
               "1 faces of more than three corners are written as triangles: .stl has no others") ==
           1);
-    CHECK(std::count(stl.losses.begin(), stl.losses.end(),
-                     "1 vertices without a face are not written: .stl has none") == 1);
+    CHECK(std::ranges::count(stl.losses,
+                             "1 vertices without a face are not written: .stl has none") == 1);
     CHECK(read_mesh(scratch / "a.stl").mesh.faces() == 3);
 
     // One UV per vertex is all that PLY and OFF need.

@@ -72,7 +72,7 @@ TEST_CASE("a concave face is cut along its own diagonals") {
     points.emplace_back(8, 0, 0.1);
     points.emplace_back(0, 0, 0.1);
     CHECK(area_of_parts(points) == Approx(-24));
-    std::reverse(points.begin(), points.end());
+    std::ranges::reverse(points);
     CHECK(area_of_parts(points) == Approx(24));
 }
 

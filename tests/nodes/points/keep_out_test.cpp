@@ -51,8 +51,8 @@ TEST_CASE(
         for (std::size_t n = 0; n < after.size(); ++n) {
             // A grid holds its points voxel by voxel, and one that moves may come to stand
             // elsewhere in its order.
-            const auto m = static_cast<std::size_t>(
-                std::find(ids_before.begin(), ids_before.end(), ids_after[n]) - ids_before.begin());
+            const auto m = static_cast<std::size_t>(std::ranges::find(ids_before, ids_after[n]) -
+                                                    ids_before.begin());
             const auto from = before[m], to = after[n];
             if ((from - middle).length() > 1 + 0.02 * voxel) {
                 REQUIRE(to == from);

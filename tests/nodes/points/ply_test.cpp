@@ -122,8 +122,8 @@ TEST_CASE("points go from VDB to PLY and back with all that PLY can hold") {
     std::vector<double> a, b;
     for (const auto& at : ply.positions()) a.push_back(at.x());
     for (const auto& at : back.positions()) b.push_back(at.x());
-    std::sort(a.begin(), a.end());
-    std::sort(b.begin(), b.end());
+    std::ranges::sort(a);
+    std::ranges::sort(b);
     for (std::size_t n = 0; n < a.size(); ++n) REQUIRE(a[n] == Approx(b[n]).margin(1e-7));
 }
 

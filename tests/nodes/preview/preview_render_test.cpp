@@ -72,8 +72,8 @@ double redness(const RenderedPicture& render, const Area& area) {
 }
 
 bool plain(const RenderedPicture& render) {
-    return std::all_of(render.picture.pixels.begin(), render.picture.pixels.end(),
-                       [](const Colour& colour) { return colour == render_background; });
+    return std::ranges::all_of(render.picture.pixels,
+                               [](const Colour& colour) { return colour == render_background; });
 }
 
 bool same(const RenderedPicture& a, const RenderedPicture& b) {

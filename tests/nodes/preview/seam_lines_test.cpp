@@ -30,7 +30,7 @@ std::vector<double> crossings(const std::vector<PictureLine>& lines, double heig
     for (const auto& [from, to] : lines)
         if ((from[1] < height) != (to[1] < height))
             out.push_back(from[0] + (to[0] - from[0]) * (height - from[1]) / (to[1] - from[1]));
-    std::sort(out.begin(), out.end());
+    std::ranges::sort(out);
     return out;
 }
 

@@ -294,8 +294,8 @@ TEST_CASE(
         // The same in any order.
         auto turned = positions;
         auto names = identities;
-        std::reverse(turned.begin(), turned.end());
-        std::reverse(names.begin(), names.end());
+        std::ranges::reverse(turned);
+        std::ranges::reverse(names);
         const auto back = carve_points(turned, names, lattice, map, 0);
         CHECK(back.images.size() == out.images.size());
         CHECK(back.deleted == out.deleted);

@@ -77,7 +77,7 @@ private:
         take(seams_.seams, seams_.kind);
         take(seams_.pairs, opposite(seams_.kind));
         left.insert(left.end(), doubled.begin(), doubled.end());
-        std::sort(left.begin(), left.end());
+        std::ranges::sort(left);
         return left;
     }
     const Lattice& lattice_;

@@ -52,8 +52,8 @@ TEST_CASE("copies stand off by their point's id alone, and by no more than the j
     auto later = positions;
     auto ids = identities;
     for (auto& at : later) at += Vec3d(0, 0.3, -0.2);
-    std::reverse(later.begin(), later.end());
-    std::reverse(ids.begin(), ids.end());
+    std::ranges::reverse(later);
+    std::ranges::reverse(ids);
     for (const auto& [id, by] : copies(later, ids, 0.25))
         if (std::abs(off.at(id).x() - 1) < 0.04) CHECK((by - off.at(id)).length() < 1e-9);
 }

@@ -301,7 +301,7 @@ TEST_CASE("the paper's closed form moves a ring's rim too, but less evenly") {
             map_of(used,
                    straight_seams(used, Axis::u, Seams::Kind::remove, std::vector<int>(6, 4))));
         const auto rim = outline(*got, centre, outer - 5, 0.1);
-        const auto [low, high] = std::minmax_element(rim.begin(), rim.end());
+        const auto [low, high] = std::ranges::minmax_element(rim);
         CHECK(std::abs(*low - (outer - 3)) < 0.25);
         CHECK(std::abs(*high - (outer - 3)) < 0.25);
         return *high - *low;

@@ -52,7 +52,7 @@ std::vector<double> places_by_definition(const Seams& seams, const Vec3d& at, bo
                 }
                 entries = original;
             }
-            std::sort(entries.begin(), entries.end());
+            std::ranges::sort(entries);
             for (std::size_t s = 0; s < out.size(); ++s)
                 out[s] += (n & 1 ? b : 1 - b) * (n & 2 ? c : 1 - c) * entries[s];
         }

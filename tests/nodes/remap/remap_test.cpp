@@ -60,7 +60,7 @@ struct OnVoxels {
 
     explicit OnVoxels(std::mt19937& random) {
         std::array<int, 3> axes{0, 1, 2};
-        std::shuffle(axes.begin(), axes.end(), random);
+        std::ranges::shuffle(axes, random);
         std::array<int, 3> shape{6 + below(random, 25), 6 + below(random, 25),
                                  1 + below(random, 12)};
         const double voxel = random() % 2 == 0 ? 0.25 : 0.1;

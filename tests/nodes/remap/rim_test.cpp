@@ -122,8 +122,7 @@ private:
         std::vector<double> out;
         for (const int i : left) {
             out.push_back(i);
-            for (auto n = std::count(doubled.begin(), doubled.end(), i); n > 0; --n)
-                out.push_back(i + 0.5);
+            for (auto n = std::ranges::count(doubled, i); n > 0; --n) out.push_back(i + 0.5);
         }
         return out;
     }

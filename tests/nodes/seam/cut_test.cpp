@@ -55,7 +55,7 @@ double least_of_line(std::size_t length, int width, const CostAt& cost) {
         }
         std::swap(before, now);
     }
-    return *std::min_element(before.begin(), before.end());
+    return *std::ranges::min_element(before);
 }
 
 }  // namespace

@@ -110,10 +110,10 @@ std::vector<std::uint16_t> by_definition(EnergyVolume& energy, Window window, in
                     return i == neighbours[0] ? 0 : (i < neighbours[0]) == below_first ? 1 : 2;
                 };
                 for (int i = window.first; i <= window.last; ++i) {
-                    if (neighbours.empty()
-                            ? i != start
-                            : std::any_of(neighbours.begin(), neighbours.end(),
-                                          [&](int n) { return std::abs(i - n) > 1; }))
+                    if (neighbours.empty() ? i != start
+                                           : std::ranges::any_of(neighbours, [&](int n) {
+                                                 return std::abs(i - n) > 1;
+                                             }))
                         continue;
                     if (strays(i)) continue;
                     if (best < 0 || column[i] < column[best] ||
@@ -224,8 +224,8 @@ TEST_CASE("seams after the first are found in what the others left, inside a win
     for (int n = 0; n < 8; ++n) {
         const auto& seam = found.seams[static_cast<std::size_t>(n)];
         CHECK(shape.largest_jump(seam.at) <= 1);
-        CHECK(*std::min_element(seam.at.begin(), seam.at.end()) >= window.first);
-        CHECK(*std::max_element(seam.at.begin(), seam.at.end()) <= window.last - n);
+        CHECK(*std::ranges::min_element(seam.at) >= window.first);
+        CHECK(*std::ranges::max_element(seam.at) <= window.last - n);
         CHECK(seam.energy == Approx(cost(state, seam.at)));
         state.remove(seam.at);
     }
@@ -251,7 +251,7 @@ TEST_CASE(
             taken.push_back(*place);
             left.erase(place);
         }
-        std::sort(taken.begin(), taken.end());
+        std::ranges::sort(taken);
         for (std::size_t n = 0; n < 8; ++n) ranked[n][c] = taken[n];
     }
     for (const auto& at : ranked) CHECK(shape.largest_jump(at) <= 1);
@@ -320,8 +320,8 @@ TEST_CASE(
         for (const auto& seam : seams) {
             REQUIRE(shape.largest_jump(seam.at) <= 1);
             REQUIRE(shape.largest_gap(seam.at) <= 1);
-            REQUIRE(*std::min_element(seam.at.begin(), seam.at.end()) >= window.first);
-            REQUIRE(*std::max_element(seam.at.begin(), seam.at.end()) <= window.last);
+            REQUIRE(*std::ranges::min_element(seam.at) >= window.first);
+            REQUIRE(*std::ranges::max_element(seam.at) <= window.last);
             REQUIRE(seam.energy == Approx(cost(energy, seam.at)));
         }
     }
@@ -335,7 +335,7 @@ TEST_CASE(
     const auto energy = volume({40, 1, 30}, Axis::u, 1, slope, true);
     const auto highest = [&](Guide guide) {
         const auto seam = greedy_seam(energy, {0, 39}, 0, 1, nobody, guide);
-        return *std::max_element(seam.at.begin(), seam.at.end()) - seam.at[0];
+        return *std::ranges::max_element(seam.at) - seam.at[0];
     };
     CHECK(highest(Guide::cone) == 15);
     CHECK(highest(Guide::gaussian) > 0);

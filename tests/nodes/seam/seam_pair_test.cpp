@@ -52,7 +52,7 @@ TEMPLATE_TEST_CASE("on the voxels, carving pairs is classical carving of both wi
     std::mt19937 random(9);
     for (int n = 0; n < 40; ++n) {
         std::array<int, 3> axes{0, 1, 2};
-        std::shuffle(axes.begin(), axes.end(), random);
+        std::ranges::shuffle(axes, random);
         const auto lattice =
             make_box(Vec3d(0), {7 + below(random, 16), 7 + below(random, 16), 1 + below(random, 9)},
                      1.0, axes);

@@ -64,7 +64,7 @@ void check_equal(const std::pair<Ref<Seams>, Ref<Seams>>& found) {
         const auto &a = *node.*part, &b = *library.*part;
         REQUIRE(a.size() == b.size());
         for (std::size_t n = 0; n < a.size(); ++n) {
-            CHECK(std::equal(a[n].at.begin(), a[n].at.end(), b[n].at.begin(), b[n].at.end()));
+            CHECK(std::ranges::equal(a[n].at, b[n].at));
             CHECK(a[n].energy == b[n].energy);
         }
     }

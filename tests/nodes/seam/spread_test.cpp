@@ -168,8 +168,7 @@ TEST_CASE(
         std::vector<std::uint16_t> entries, sorted;
         for (const auto& seam : solved.seams->seams) entries.push_back(seam.at[0]);
         to_original(entries, sorted);
-        return std::count_if(sorted.begin(), sorted.end(),
-                             [](int entry) { return entry >= 10 && entry < 20; });
+        return std::ranges::count_if(sorted, [](int entry) { return entry >= 10 && entry < 20; });
     };
     CHECK(in_content(1, 1, "0.01") == 0);
     CHECK(in_content(1, 1, "10") >= 7);

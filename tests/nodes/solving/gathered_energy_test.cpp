@@ -61,7 +61,7 @@ TEST_CASE(
         REQUIRE(energy.frames() == 3);
         for (std::size_t t = 0; t < 3; ++t) {
             const auto codes = energy.codes(t);
-            CHECK(std::count(codes.begin(), codes.end(), encode_energy(2)) ==
+            CHECK(std::ranges::count(codes, encode_energy(2)) ==
                   static_cast<std::ptrdiff_t>(codes.size()));
         }
     }

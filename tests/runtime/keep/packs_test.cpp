@@ -38,9 +38,8 @@ std::vector<fs::path> files_of(const std::string& folder) {
 
 std::size_t count_of(const std::string& folder, const std::string& ending) {
     const auto files = files_of(folder);
-    return static_cast<std::size_t>(
-        std::count_if(files.begin(), files.end(),
-                      [&](const fs::path& file) { return file.extension() == ending; }));
+    return static_cast<std::size_t>(std::ranges::count_if(
+        files, [&](const fs::path& file) { return file.extension() == ending; }));
 }
 
 /// Adds records as another process, which ends as if it was killed, or closes its pack.

@@ -28,7 +28,7 @@ const Lines saves{"save 1", "save 2", "save 3", "save 4", "save 5"};
 
 Lines operator+(Lines a, const Lines& b) {
     a.insert(a.end(), b.begin(), b.end());
-    std::sort(a.begin(), a.end());
+    std::ranges::sort(a);
     return a;
 }
 
@@ -213,7 +213,7 @@ TEST_CASE("without the cache everything runs, and nothing is left") {
     Shot shot;
     shot.request.options.cache = false;
     const auto twice = shot.run();
-    CHECK(std::count(twice.begin(), twice.end(), "square 3") == 2);
+    CHECK(std::ranges::count(twice, "square 3") == 2);
     CHECK(shot.run() == twice);
     CHECK_FALSE(fs::exists(shot.folder + "/kept"));
 }
@@ -247,7 +247,7 @@ TEST_CASE("a stopped run, run again, repeats nothing that was done") {
     auto second = shot.run();
     CHECK(shot.code == exit_code::done);
     for (const auto& line : first)
-        if (!line.starts_with("load")) CHECK(std::count(second.begin(), second.end(), line) == 0);
+        if (!line.starts_with("load")) CHECK(std::ranges::count(second, line) == 0);
     CHECK(shot.why("square") == "was not finished, or is no longer kept");
     CHECK(shot.text(3) == "9 25 16 ");
 }

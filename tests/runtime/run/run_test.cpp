@@ -44,9 +44,8 @@ struct Ran {
     std::vector<std::string> log;  ///< sorted
 
     std::size_t count(const std::string& prefix) const {
-        return static_cast<std::size_t>(
-            std::count_if(log.begin(), log.end(),
-                          [&](const std::string& line) { return line.starts_with(prefix); }));
+        return static_cast<std::size_t>(std::ranges::count_if(
+            log, [&](const std::string& line) { return line.starts_with(prefix); }));
     }
 };
 

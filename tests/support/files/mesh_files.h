@@ -24,7 +24,7 @@ inline Mesh cube(double size) {
 template <class T>
 std::string bytes(T value, bool big = false) {
     std::string out(reinterpret_cast<const char*>(&value), sizeof(T));
-    if (big) std::reverse(out.begin(), out.end());
+    if (big) std::ranges::reverse(out);
     return out;
 }
 

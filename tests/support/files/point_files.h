@@ -47,7 +47,7 @@ inline std::string row(const PointTable& points, std::size_t n) {
 inline std::vector<std::string> sorted_rows(const PointTable& points) {
     std::vector<std::string> out;
     for (std::size_t n = 0; n < points.size; ++n) out.push_back(row(points, n));
-    std::sort(out.begin(), out.end());
+    std::ranges::sort(out);
     return out;
 }
 

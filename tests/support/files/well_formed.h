@@ -13,8 +13,8 @@ inline bool well_formed(std::string_view xml) {
         const auto rest = xml.substr(at + 1);
         if (xml[at] == '&') {
             const auto names = {"lt;", "gt;", "amp;", "quot;"};
-            if (std::none_of(names.begin(), names.end(),
-                             [&](const char* name) { return rest.starts_with(name); }))
+            if (std::ranges::none_of(names,
+                                     [&](const char* name) { return rest.starts_with(name); }))
                 return false;
             continue;
         }
@@ -23,12 +23,11 @@ inline bool well_formed(std::string_view xml) {
         const auto tag = rest.substr(0, end);
         const auto name = tag.substr(0, tag.find(' '));
         const auto alone = {"!DOCTYPE", "meta", "img", "input"};
-        if (std::count(tag.begin(), tag.end(), '"') % 2 != 0) return false;
+        if (std::ranges::count(tag, '"') % 2 != 0) return false;
         if (tag.starts_with('/')) {
             if (open.empty() || open.back() != tag.substr(1)) return false;
             open.pop_back();
-        } else if (!tag.ends_with('/') &&
-                   std::find(alone.begin(), alone.end(), name) == alone.end()) {
+        } else if (!tag.ends_with('/') && std::ranges::find(alone, name) == alone.end()) {
             open.push_back(name);
         }
     }
