@@ -294,7 +294,7 @@ double visible_width(const Samples& samples, float visible) {
     const auto [width, laterals, slices] = samples.shape;
     std::vector<bool> lit(width);
     for (std::size_t plane = 0; plane < samples.frames * slices; ++plane) {
-        std::ranges::fill(lit, false);
+        std::fill(lit.begin(), lit.end(), false);
         for (std::size_t j = 0; j < laterals; ++j)
             for (std::size_t i = 0; i < width; ++i)
                 lit[i] = lit[i] || samples.row(plane * laterals + j)[i] > visible;
