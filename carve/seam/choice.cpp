@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 namespace fluidcarve {
@@ -120,7 +121,8 @@ void SeamChoice::add(const Lattice& lattice, const FloatGrid& field, int frame) 
     const float visible = visible_share * highest;
     std::vector<CarveMap> maps;
     for (const auto count : counts_)
-        maps.emplace_back(lattice, std::vector<Ref<Seams>>{seams_}, frame, count, softness);
+        maps.emplace_back(lattice, std::vector<Ref<Seams>>{seams_}, frame, count,
+                          std::span(&softness, 1));
     std::vector<Distances> found(maps.size() * planes.size());
     tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t n) {
         const auto& plane = planes[n % planes.size()];
