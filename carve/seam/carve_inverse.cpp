@@ -14,7 +14,7 @@ double carved_coordinate(const CarveStep& step, const Vec3d& at) {
     const bool held = step.holds(at) && u >= step.origin() && u <= step.last_before();
     if (!held || u <= step.first_moved() - 1 || u >= step.last_moved() + 1) return u;
     const StepColumns columns(step, at);
-    const double scale = step.scale(at);
+    const double scale = step.rim_scale(at);
     const auto [begin, end] = step.ends(at, scale);
     const auto displaced = [&](int entry) { return scale * columns.displacement(entry); };
 

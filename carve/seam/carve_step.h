@@ -108,19 +108,20 @@ public:
                lateral <= (around_ ? laterals_ : last_lateral()) && slice >= first_slice_ &&
                slice <= (closed_ ? slices_ : last_slice());
     }
-    void fade_rims(double vertices) { fade_ = vertices; }  ///< see CarveMap::fade_rims
-    bool rims_fade() const { return fade_ > 0; }
+    void fade_rims(double vertices) { rim_fade_ = vertices; }  ///< see CarveMap::fade_rims
+    bool rims_fade() const { return rim_fade_ > 0; }
     /// Factor for displacements at a point, 0..1. Rises linearly from 0 at lateral rims and open
-    /// ends to 1 at `fade` vertices from them. Always 1 without a fade.
-    double scale(const openvdb::Vec3d& at) const {
-        if (fade_ == 0) return 1;
+    /// ends to 1 where the rims' fade ends. Always 1 without such a fade.
+    double rim_scale(const openvdb::Vec3d& at) const {
+        if (rim_fade_ == 0) return 1;
         const auto from_rim = [this](double x, int size) {
-            return size == 1 ? fade_ : std::min(x, size - 1 - x);
+            return size == 1 ? rim_fade_ : std::min(x, size - 1 - x);
         };
-        const double lateral =
-                         around_ ? fade_ : from_rim(at[lateral_axis_] - first_lateral_, laterals_),
-                     slice = closed_ ? fade_ : from_rim(at[slice_axis_] - first_slice_, slices_);
-        return std::min(1.0, std::min(lateral, slice) / fade_);
+        const double lateral = around_ ? rim_fade_
+                                       : from_rim(at[lateral_axis_] - first_lateral_, laterals_),
+                     slice =
+                         closed_ ? rim_fade_ : from_rim(at[slice_axis_] - first_slice_, slices_);
+        return std::min(1.0, std::min(lateral, slice) / rim_fade_);
     }
     /// An interval along the axis, entries.
     struct Ends {
@@ -130,7 +131,7 @@ public:
     /// insertion adds, are scaled too. A warp's ends are the carved positions of the column's
     /// first and last vertex; if the warp moves them, they lie half a vertex further out.
     /// @param at     carved lattice coordinates, held
-    /// @param scale  scale(at)
+    /// @param scale  rim_scale(at)
     Ends ends(const openvdb::Vec3d& at, double scale) const {
         if (warps()) return warped_ends(at, scale);
         return {origin_ + scale * (start_ - origin_),
@@ -160,9 +161,10 @@ public:
     double clamped(double source) const {
         return std::clamp(source, static_cast<double>(origin_), static_cast<double>(last_before()));
     }
-    /// The source of a point at `u` under a fade: `source`, without a fade, is moved towards `u`
+    /// The source of a point at `u` if rims fade: `source`, without a fade, is moved towards `u`
     /// and stays in the lattice.
-    double drawn(double u, double source, double scale) const {
+    /// @param scale  rim_scale() there
+    double faded_source(double u, double source, double scale) const {
         return scale < 1 ? clamped(u + scale * (source - u)) : source;
     }
     /// Whether the step has the column of a vertex.
@@ -226,7 +228,7 @@ private:
     bool inserts_, paired_, thick_, closed_, around_, turns_;
     std::size_t count_;
     int first_moved_, last_moved_, most_down_, most_up_;
-    double fade_ = 0;                             ///< vertices; 0: none
+    double rim_fade_ = 0;                         ///< vertices; 0: none
     std::vector<std::uint16_t> first_displaced_;  ///< `[column][seam]`
     Ends common_;
     std::vector<Ends> column_ends_;  ///< `[column]`: where a warp moves the first and the last

@@ -189,7 +189,7 @@ void Joins::places(const CarveStep& step, const openvdb::Vec3d& at, double share
     to.clear();
     std::vector<Side> shown;
     for (std::size_t passed = 0; passed <= seams_; ++passed) {
-        const double scale = step.scale(at), by = displacement(passed),
+        const double scale = step.rim_scale(at), by = displacement(passed),
                      place = at[axis_] - scale * by;
         auto there = at;
         there[axis_] = place;

@@ -353,7 +353,7 @@ SmoothDisplacement::Value SmoothDisplacement::at(const Vec3d& at, const CarveSte
         if (!step.rims_fade()) return d();
         Vec3d place;
         for (std::size_t n = 0; n < 3; ++n) place[axes_[n]] = vertex[n];
-        return step.scale(place) * d();
+        return step.rim_scale(place) * d();
     };
     for (unsigned n = 0; n < 8; ++n) {
         double weight = 1;

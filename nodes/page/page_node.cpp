@@ -144,7 +144,7 @@ private:
             out.softness = softness_of(params, *seams.back());
             out.softness.fade = 0;
         }
-        out.fade = params.rim == Rim::fade ? params.rim_fade : 0;
+        out.rim_fade = params.rim == Rim::fade ? params.rim_fade : 0;
         return out;
     }
 

@@ -275,7 +275,7 @@ Json common_json(const PageRequest& request, const PageFrame& first, const PageG
     out["count"] = request.count;
     out["softness"] = {{"soft", request.softness.vertices},
                        {"soft_time", request.softness.frames},
-                       {"fade", request.fade}};
+                       {"fade", request.rim_fade}};
     out["masks"] = Json::array();
     for (const auto& [name, mask] : first.masks) out["masks"].push_back(name);
     out["sets"] = Json::array();

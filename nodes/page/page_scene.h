@@ -24,7 +24,7 @@ struct PageRequest {
     int flat_voxels = 640;  ///< the same for pictures, which are one voxel thick
     std::size_t count = 0;  ///< seams carved at first, of the last set
     Softness softness;      ///< of the carve, as remap.grids takes it
-    double fade = 0;        ///< vertices; 0: none (CarveMap::fade_rims)
+    double rim_fade = 0;    ///< vertices; 0: none (CarveMap::fade_rims)
 };
 
 /// The data of one frame.

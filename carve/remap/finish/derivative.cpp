@@ -48,7 +48,7 @@ std::optional<CarveDerivative::Image> CarveDerivative::image(const Vec3d& asked)
         const auto& step = map_.steps()[n - 1];
         const int axis = step.axis();
         if (!step.holds(source)) continue;
-        if (const auto scale = step.scale(source); !step.carves(source, scale)) {
+        if (const auto scale = step.rim_scale(source); !step.carves(source, scale)) {
             if (!step.frees(source)) continue;
             return std::nullopt;
         }

@@ -99,7 +99,7 @@ public:
             const double u = to[step.axis()];
             // An insertion overwrites content beyond the lattice's ends.
             if (step.holds(to) && (u < step.origin() || u > step.last_before()) &&
-                step.carves(to, step.scale(to)))
+                step.carves(to, step.rim_scale(to)))
                 return;
             to[step.axis()] = carved_coordinate(step, to);
             if (step.holds(to) && to[step.axis()] != u) pressed *= slope(step, to);
@@ -135,7 +135,8 @@ private:
         const StepColumns columns(step, at);
         const int entry = std::clamp(static_cast<int>(std::floor(at[step.axis()])), step.start(),
                                      std::max(step.start(), step.last() - 1));
-        return 1 + step.scale(at) * (columns.displacement(entry + 1) - columns.displacement(entry));
+        return 1 +
+               step.rim_scale(at) * (columns.displacement(entry + 1) - columns.displacement(entry));
     }
 
     const Mapping& mapping_;
@@ -159,7 +160,7 @@ void join_point(const CarveStep& step, const Vec3d& at, double share, std::vecto
     constexpr double around = 0.5;  // vertices, within which the blend hardly changes
     places.clear();
     rooms.clear();
-    const double u = at[step.axis()], scale = step.scale(at);
+    const double u = at[step.axis()], scale = step.rim_scale(at);
     if (stays(step, at, scale, step.ends(at, scale))) places.push_back(u);
     else if (u >= step.origin() && u <= step.last_before())
         step.joins()->places(step, at, share, places);
@@ -255,7 +256,7 @@ void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& pl
         places.push_back(u);
         rooms.emplace_back(u, u);
     };
-    const double scale = step.scale(at);
+    const double scale = step.rim_scale(at);
     const auto ends = step.ends(at, scale);
     if (stays(step, at, scale, ends)) return stay();
     if (u < step.origin() || u > step.last_before()) return;  // an insertion overwrites it

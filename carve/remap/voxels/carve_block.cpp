@@ -119,7 +119,7 @@ bool fades_in(const openvdb::BBoxd& range, const CarveStep& step) {
         openvdb::Vec3d at(0.0);
         at[slice] = corner & 1 ? range.min()[slice] : range.max()[slice];
         at[lateral] = corner & 2 ? range.min()[lateral] : range.max()[lateral];
-        if (step.scale(at) < 1) return true;
+        if (step.rim_scale(at) < 1) return true;
     }
     return false;
 }

@@ -143,7 +143,7 @@ inline std::optional<CarveBlock::Rigid> CarveBlock::rigid_at(openvdb::Vec3d at) 
         const auto& step = map_.steps()[n];
         const int axis = step.axis();
         if (!step.holds(at)) continue;
-        const double scale = step.scale(at);
+        const double scale = step.rim_scale(at);
         if (!step.carves(at, scale)) return std::nullopt;
         const auto& table = tables_[n];
         if (step.soft()) {
@@ -167,8 +167,9 @@ inline std::optional<CarveBlock::Rigid> CarveBlock::rigid_at(openvdb::Vec3d at) 
             ((edge ^ edge_at(b)) | (edge ^ edge_at(c)) | (edge ^ edge_at(d))) != 0)
             return std::nullopt;
         const double whole = 0.5 * by,
-                     scaled = scale < 1 ? step.drawn(at[axis], at[axis] + whole, scale) - at[axis]
-                                        : whole;
+                     scaled = scale < 1
+                                  ? step.faded_source(at[axis], at[axis] + whole, scale) - at[axis]
+                                  : whole;
         at[axis] += scaled;
         out.by[axis] += scaled;
         out.fades = out.fades || scale < 1;

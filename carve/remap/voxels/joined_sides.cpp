@@ -17,7 +17,7 @@ namespace {
 template <class Displacement>
 void stretch(const CarveStep& step, const Displacement& by, openvdb::Vec3d& at) {
     if (!step.holds(at)) return;
-    const double scale = step.scale(at);
+    const double scale = step.rim_scale(at);
     if (step.carves(at, scale)) at[step.axis()] = step.clamped(at[step.axis()] + scale * by(at));
 }
 
@@ -27,7 +27,7 @@ template <class Displacement>
 void pass_step(const CarveStep& step, const Displacement& by, const JoinedSides::Side& side,
                std::vector<Joins::Side>& of_step, std::vector<JoinedSides::Side>& to) {
     const int axis = step.axis();
-    const double scale = step.holds(side.at) ? step.scale(side.at) : 0;
+    const double scale = step.holds(side.at) ? step.rim_scale(side.at) : 0;
     const auto add = [&](double moved, double weight) {
         auto next = side;
         next.at[axis] = step.clamped(side.at[axis] + scale * moved);
@@ -56,7 +56,7 @@ void JoinedSides::find(const openvdb::Vec3d& at) {
         // Most maps have one step: its sides are those of the point.
         const auto& step = map_.steps().front();
         if (!step.holds(at)) return;
-        const double scale = step.scale(at);
+        const double scale = step.rim_scale(at);
         if (!step.carves(at, scale)) {
             sides_.front().nothing = step.frees(at);
             return;

@@ -387,7 +387,7 @@ private:
             const int axis = step.axis();
             const double u = l[axis];
             if (!step.holds(l)) continue;
-            const double scale = step.scale(l);
+            const double scale = step.rim_scale(l);
             if (scale < 1) fades_ = true;
             if (!step.carves(l, scale)) {
                 if (!step.frees(l)) continue;
@@ -401,7 +401,7 @@ private:
             const auto from = [&](double entry, int displacement, double share) {
                 const auto at = [&](int even, double part) {
                     auto source = l;
-                    source[axis] = step.drawn(u, entry + 0.5 * even, scale);
+                    source[axis] = step.faded_source(u, entry + 0.5 * even, scale);
                     if (count > 1) return gather(count - 1, source, part, nothing, out, read);
                     const auto [value, on] = read(source);
                     out.add(value, on, part);
@@ -414,7 +414,7 @@ private:
             const auto cell = block_.cell(count - 1, l);
             if (cell.rigid) {
                 if (cell.columns[0].low % 2 != 0) return from(u, cell.columns[0].low, weight);
-                l[axis] = step.drawn(u, u + 0.5 * cell.columns[0].low, scale);
+                l[axis] = step.faded_source(u, u + 0.5 * cell.columns[0].low, scale);
                 continue;
             }
             for (std::size_t n = 0; n < cell.count; ++n) {

@@ -67,7 +67,7 @@ Shown shown(const Case& what) {
     request.title = request.grid = "density";
     request.setting = "count";
     request.softness = what.softness;
-    request.fade = what.fade;
+    request.rim_fade = what.fade;
     PageFrame frame;
     frame.number = out.frame = out.sets.front()->frames[out.sets.front()->frames.size() / 2];
     frame.before = out.grid;

@@ -266,8 +266,8 @@ TEST_CASE("smoothed displacements close around a rig: turned seams give turned d
         CHECK((tear.rim[0] == 'w' || tear.rim == "u = " + std::to_string(lattice.shape[0] - 1)));
     auto faded = soft_map_of(lattice, seams, 3);
     faded.fade_rims(5);
-    CHECK(faded.steps()[0].scale(Vec3d(3, 0, 60)) == 1);
-    CHECK(faded.steps()[0].scale(Vec3d(3, 20, 0)) == 0);
+    CHECK(faded.steps()[0].rim_scale(Vec3d(3, 0, 60)) == 1);
+    CHECK(faded.steps()[0].rim_scale(Vec3d(3, 20, 0)) == 0);
 }
 
 TEST_CASE("seams are found along the cells around a rig, also where v closes") {

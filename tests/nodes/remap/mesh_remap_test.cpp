@@ -156,7 +156,7 @@ TEST_CASE("with a fade the inverse is that of the faded carve") {
         for (const double v : {0.0, 0.5, 2.0, 3.25, 7.0, 12.0})
             for (double u = 0; u <= 13; u += 0.2) {
                 const Vec3d at(u, v, 6.5);
-                const double scale = step.scale(at), to = carved_coordinate(step, at),
+                const double scale = step.rim_scale(at), to = carved_coordinate(step, at),
                              end = step.ends(at, scale).end;
                 CHECK(to <= end + 1e-12);
                 if (scale == 0) CHECK(to == u);

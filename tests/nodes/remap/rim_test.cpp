@@ -338,7 +338,7 @@ TEST_CASE("a lattice too thin for a fade is refused") {
     const auto image = make_box(Vec3d(0), {40, 16, 1}, 1.0, {0, 1, 2});
     auto flat = map_of(image, {wavy_seams(image, Axis::u, Seams::Kind::remove, 9, 5, 2)});
     flat.fade_rims(7);
-    CHECK(flat.steps()[0].scale(Vec3d(3, 7, 0)) == 1);
+    CHECK(flat.steps()[0].rim_scale(Vec3d(3, 7, 0)) == 1);
     CHECK(NodeBench(remap_grids(), "{rim_fade: 3}").faults() ==
           "rim_fade: nothing fades while `rim` is cut; set `rim: fade`, or leave `rim_fade` out\n");
     CHECK(NodeBench(remap_grids(), "{rim: fade, rim_fade: 3}").faults().empty());
