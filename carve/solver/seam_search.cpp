@@ -38,7 +38,7 @@ Ref<Seams> SeamSearch::find(const Tick& tick) {
     search.best_effort = params_.best_effort;
     search.thick = thick;
     auto found =
-        find_parts(task, [&](const SeamTask::Part& part, int count, const FoundSeams& /*pairs*/) {
+        find_parts(task, [&](const SeamPart& part, int count, const FoundSeams& /*pairs*/) {
             return find(part, count, tick, search);
         });
     out->seams = std::move(found.seams.seams);

@@ -26,7 +26,7 @@ public:
 
     ReportedSeams run() {
         const auto [pairs, found] =
-            find_parts(task_, [&](const SeamTask::Part& part, int count, const FoundSeams& before) {
+            find_parts(task_, [&](const SeamPart& part, int count, const FoundSeams& before) {
                 return find(part, count, before);
             });
         auto out = whole(found, pairs);
@@ -41,7 +41,7 @@ public:
 
 private:
     /// A part's share of the work of this search, 0 to 1: its share of the missing seams.
-    double share_of(const SeamTask::Part& part) const {
+    double share_of(const SeamPart& part) const {
         if (!task_.pairs) return 1;
         const auto left = [&](bool pair) {
             const auto& before = setup_.before.seams;
@@ -54,7 +54,7 @@ private:
     }
 
     /// @param pairs  found before
-    FoundSeams find(const SeamTask::Part& part, int count, const FoundSeams& pairs) {
+    FoundSeams find(const SeamPart& part, int count, const FoundSeams& pairs) {
         const double share = share_of(part);
         const auto tick = [&](double fraction) {
             context_.check_cancelled();
@@ -81,7 +81,7 @@ private:
     }
 
     /// Delivers the seams found so far as a complete set.
-    void hold(const FoundSeams& now, const SeamTask::Part& part, const FoundSeams& pairs) {
+    void hold(const FoundSeams& now, const SeamPart& part, const FoundSeams& pairs) {
         if (Clock::now() - held_ < setup_.hold_after) return;
         const auto so_far = part.pair ? only_pairs(now) : whole(now, pairs);
         context_.report("seams", so_far.report);

@@ -39,7 +39,7 @@ Seams empty_warp(const WarpParams& params, const CarvedSpace& space) {
     const int size = task.shape[dimension(params.axis)];
     task.seams.window = window_of(params.window, size);
     if (params.pair_window)
-        task.pairs = SeamTask::Part{true, Seams::Kind::remove, params.pair_window->above.of(size)};
+        task.pairs = SeamPart{.window = params.pair_window->above.of(size), .pair = true};
     auto out = empty_seams(gathering_params(params), task, space);
     if (params.pair_window && params.pair_window->below)
         out.pair_below = params.pair_window->below->of(size);

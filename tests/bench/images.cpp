@@ -164,9 +164,8 @@ void compare_on_images(const std::string& folder, const std::string& out, int se
         for (const auto& picture : pictures)
             for (auto& solver : of_cost) {
                 auto costs = costs_of(picture, forward);
-                const auto found =
-                    find_seams(costs, {Seams::Kind::remove, seams, {0, costs.width() - 1}},
-                               solver.make(), [](double) {});
+                const auto found = find_seams(costs, {Seams::Kind::remove, {0, costs.width() - 1}},
+                                              seams, solver.make(), [](double) {});
                 auto left = picture;
                 for (std::size_t n = 0; n < found.seams.size(); ++n) {
                     left.remove(found.seams[n].at);

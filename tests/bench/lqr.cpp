@@ -66,7 +66,7 @@ Carved by_dynamic(const Image& image, const Volume& volume) {
         const auto lattice = make_box(openvdb::Vec3d(0), {width, height, 1}, 1, {0, 1, 2});
         EnergyVolume frames({lattice.shape, Axis::u, 1});
         sample_energy(*energy, lattice, Axis::u, frames.codes(0));
-        found = find_seams(frames, {Seams::Kind::remove, seams, {0, width - 1}}, DynamicSeams(),
+        found = find_seams(frames, {Seams::Kind::remove, {0, width - 1}}, seams, DynamicSeams(),
                            [](double) {});
     });
     const auto lattice = make_box(openvdb::Vec3d(0), {width, height, 1}, 1, {0, 1, 2});

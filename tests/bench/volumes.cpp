@@ -141,7 +141,7 @@ public:
         for (const auto& solver : solvers()) {
             if (solver.exact && entries > most_entries_cut) continue;
             auto copy = copy_of(energy);
-            const auto found = find_seams(copy, {Seams::Kind::remove, seams_in_a_row, window},
+            const auto found = find_seams(copy, {Seams::Kind::remove, window}, seams_in_a_row,
                                           solver.find, nobody);
             Row row{solver.name, found.wall_s.front(),
                     std::accumulate(found.wall_s.begin(), found.wall_s.end(), 0.0) / seams_in_a_row,

@@ -91,12 +91,12 @@ namespace {
 /// The loop of find_seams(), search by search.
 class SeamsInTurn {
 public:
-    SeamsInTurn(EnergyVolume& volume, const SeamsWanted& wanted, const SearchOptions& options)
+    SeamsInTurn(EnergyVolume& volume, const SeamPart& part, int count, const SearchOptions& options)
         : volume_(volume),
-          kind_(wanted.kind),
-          count_(wanted.count),
-          window_(wanted.window),
-          static_(wanted.static_),
+          kind_(part.kind),
+          count_(count),
+          window_(part.window),
+          static_(part.static_),
           options_(options),
           full_(options.full),
           width_(full_ ? full_->width : volume.width()),
@@ -299,9 +299,9 @@ private:
 
 }  // namespace
 
-FoundSeams find_seams(EnergyVolume& volume, const SeamsWanted& wanted, const FindSeam& find,
+FoundSeams find_seams(EnergyVolume& volume, const SeamPart& part, int count, const FindSeam& find,
                       const Tick& tick, const SearchOptions& options) {
-    return SeamsInTurn(volume, wanted, options).run(find, tick);
+    return SeamsInTurn(volume, part, count, options).run(find, tick);
 }
 
 }  // namespace fluidcarve

@@ -8,6 +8,7 @@
 #include "carve/solver/search/columns.h"
 #include "carve/solver/search/find_seam.h"
 #include "carve/solver/search/seam_bounds.h"
+#include "carve/solver/search/seam_part.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -59,15 +60,6 @@ struct FullSize {
     int width;        ///< entries per column
 };
 
-/// The seams that find_seams() is to find.
-struct SeamsWanted {
-    Seams::Kind kind;
-    int count;             ///< all seams of full size, including those found before
-    Window window;         ///< original entries at full size
-    bool static_ = false;  ///< each seam is the same in all frames; it is found in the sum of the
-                           ///< frames, and the volume does not change
-};
-
 /// Options of find_seams(): an earlier search to continue, bounds, progress and memory.
 struct SearchOptions {
     std::vector<Seams::Seam> before;  ///< the set's first seams, as they were found
@@ -107,8 +99,9 @@ void require_room(Seams::Kind kind, int count, Window window, int width, int fin
 /// are found in prices of their own (SlabPrices). Doubled slabs stay in the volume, and keep away
 /// from each other.
 /// @param volume  is consumed
+/// @param count   of seams of full size, including those found before
 /// @throws Failure as require_room(); NoSeam
-FoundSeams find_seams(EnergyVolume& volume, const SeamsWanted& wanted, const FindSeam& find,
+FoundSeams find_seams(EnergyVolume& volume, const SeamPart& part, int count, const FindSeam& find,
                       const Tick& tick, const SearchOptions& options = {});
 
 }  // namespace fluidcarve

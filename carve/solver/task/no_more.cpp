@@ -30,7 +30,7 @@ openvdb::Vec3d original_vertex(const std::vector<CarveStep>& steps, openvdb::Vec
 
 /// where_no_more() of seams of frames.
 /// @param vertex  without such a frame
-std::string where_no_frame(const NoSeam& none, const SeamTask::Part& part,
+std::string where_no_frame(const NoSeam& none, const SeamPart& part,
                            const std::array<int, 3>& vertex, const CarvedSpace& space) {
     const auto at =
         space.lattices().front()->position(openvdb::Vec3d(vertex[0], vertex[1], vertex[2]));
@@ -46,7 +46,7 @@ std::string where_no_frame(const NoSeam& none, const SeamTask::Part& part,
 
 }  // namespace
 
-std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamTask::Part& part,
+std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamPart& part,
                           const CarvedSpace& space) {
     const int laterals = task.shape[lateral_dimension(task.axis)];
     const auto per_frame = static_cast<std::size_t>(laterals) *
@@ -81,7 +81,7 @@ std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamTa
                                         none.at.free == 1 ? "is" : "are"));
 }
 
-std::string why_no_more(const NoSeam& none, const SeamTask& task, const SeamTask::Part& part,
+std::string why_no_more(const NoSeam& none, const SeamTask& task, const SeamPart& part,
                         const CarvedSpace& space) {
     return fmt::format(
         "{} possible in {}; ask for fewer, widen the window or protect less{}",

@@ -26,7 +26,7 @@ PartFinder::PartFinder(EnergyVolume& energy, const SeamTask& task, const CarvedS
       taken_(energy.bytes() + bytes_of_seams(task, space)),
       fits_(taken_ <= limits_.memory) {}
 
-FoundSeams PartFinder::operator()(const SeamTask::Part& part, int count, const Tick& tick,
+FoundSeams PartFinder::operator()(const SeamPart& part, int count, const Tick& tick,
                                   SearchOptions search) const {
     if (!fits_)
         search.keep = [&](const SeamEntries& entries) {
@@ -35,15 +35,14 @@ FoundSeams PartFinder::operator()(const SeamTask::Part& part, int count, const T
     search.limits = {memory(), limits_.folder};
     if (task_.finest > 1) search.full = FullSize{columns_of(task_, space_), task_.size};
     try {
-        return find_seams(energy_, {part.kind, count, part.window, part.static_}, find_, tick,
-                          search);
+        return find_seams(energy_, part, count, find_, tick, search);
     } catch (const NoSeam& none) {
         throw Failure(why_no_more(none, task_, part, space_));
     }
 }
 
 FoundParts find_parts(const SeamTask& task,
-                      const std::function<FoundSeams(const SeamTask::Part& part, int count,
+                      const std::function<FoundSeams(const SeamPart& part, int count,
                                                      const FoundSeams& pairs)>& find) {
     FoundParts out;
     int count = task.count;

@@ -26,7 +26,7 @@ public:
     /// @param count   of seams, including those that an earlier search found
     /// @param search  options of the search; its memory, folder and full size are set here
     /// @throws Failure saying how many seams are possible, and where the next one is blocked
-    FoundSeams operator()(const SeamTask::Part& part, int count, const Tick& tick,
+    FoundSeams operator()(const SeamPart& part, int count, const Tick& tick,
                           SearchOptions search) const;
 
 private:
@@ -48,7 +48,7 @@ struct FoundParts {
 /// the window below. Then there are no more seams to find than pairs were found.
 /// @param find  finds `count` seams of a part; `pairs` are those found before
 FoundParts find_parts(const SeamTask& task,
-                      const std::function<FoundSeams(const SeamTask::Part& part, int count,
+                      const std::function<FoundSeams(const SeamPart& part, int count,
                                                      const FoundSeams& pairs)>& find);
 
 }  // namespace fluidcarve

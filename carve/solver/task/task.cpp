@@ -75,8 +75,7 @@ struct WindowOfTask {
 
     /// A part of the task, with its window.
     /// @param task  with `best_effort`, gets fewer seams if the window has no room for more
-    SeamTask::Part part(SeamTask::Part part, const Auto<VertexRange>& stated,
-                        SeamTask& task) const {
+    SeamPart part(SeamPart part, const Auto<VertexRange>& stated, SeamTask& task) const {
         const int size = task.size;
         auto& window = part.window;
         window = window_of(part.prefix() + "window", stated, params.axis, first, size, carved);
@@ -126,12 +125,12 @@ SeamTask task_of(const SolverParams& params, const LatticeForm& form, bool carve
                                   vertices_along(params.axis, size, carved)));
     const bool at_rig = form.around && params.axis != Axis::t;
     const WindowOfTask window{params, at_rig ? 1 : 0, carved};
-    out.seams = window.part({false, kind_asked(count), {}, params.static_}, params.window, out);
+    out.seams = window.part({kind_asked(count), {}, params.static_}, params.window, out);
     if (params.anchor.vertex > size - 1)
         throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}",
                                   params.anchor.vertex, vertices_along(params.axis, size, carved)));
     if (params.pair_window) {
-        out.pairs = window.part({true, opposite(out.seams.kind), {}, params.pair_static},
+        out.pairs = window.part({opposite(out.seams.kind), {}, params.pair_static, true},
                                 params.pair_window, out);
         if (const auto fault = pair_fault(out.seams.window, *params.window, out.pairs->window,
                                           *params.pair_window, false))

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "carve/seam/window.h"
 #include "carve/solver/search/columns.h"
+#include "carve/solver/search/seam_part.h"
 #include "carve/solver/task/params.h"
 #include "carve/solver/task/space.h"
 
@@ -13,15 +13,6 @@ namespace fluidcarve {
 
 /// What a solver has to find, as known before the energy.
 struct SeamTask {
-    /// The seams of one window.
-    struct Part {
-        bool pair = false;  ///< whether the window is `pair_window`
-        Seams::Kind kind = Seams::Kind::remove;
-        Window window;
-        bool static_ = false;
-        /// Of the names of its parameters and report entries.
-        std::string prefix() const { return pair ? "pair_" : ""; }
-    };
     Axis axis = Axis::u;
     std::array<int, 3> shape{};  ///< I, J, K of the space
     int size = 0;                ///< vertices along the axis; for seams of frames, the number of
@@ -31,8 +22,8 @@ struct SeamTask {
     /// Number of seams to find in each part; with `best_effort` no more than there is room for.
     int count = 0;
     std::string limit;  ///< which window is too small, if `count` is below `asked`
-    Part seams;
-    std::optional<Part> pairs;
+    SeamPart seams;
+    std::optional<SeamPart> pairs;
 };
 
 /// The task that parameters set in a space.

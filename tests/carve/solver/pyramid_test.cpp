@@ -145,7 +145,7 @@ TEST_CASE(
         tbb::task_arena arena(static_cast<int>(threads));
         arena.execute([&] {
             auto energy = SyntheticEnergy(Synthetic::smoke, 6)({width, 13, 21}, 18, true);
-            found.push_back(find_seams(energy, {Seams::Kind::remove, count, window},
+            found.push_back(find_seams(energy, {Seams::Kind::remove, window}, count,
                                        Pyramid(Quality::normal, 16), nobody));
         });
         for (std::size_t n = 0; n < count; ++n) {

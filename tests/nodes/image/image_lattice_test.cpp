@@ -48,13 +48,13 @@ Seams pairs_in(const Volume& volume, const Lattice& lattice, Seams::Kind kind, i
     auto out = test::no_seams(lattice, Axis::u, kind);
     EnergyVolume energy({lattice.shape, Axis::u, 1, lattice.closed});
     sample_energy(*image_energy(volume), lattice, Axis::u, energy.codes(0));
-    out.pairs = find_seams(energy, {opposite(kind), count, pair_window},
+    out.pairs = find_seams(energy, {opposite(kind), pair_window}, count,
                            Pyramid(Quality::normal, 16), [](double) {})
                     .seams;
     EnergyVolume again({lattice.shape, Axis::u, 1, lattice.closed});
     sample_energy(*image_energy(volume), lattice, Axis::u, again.codes(0));
     out.seams =
-        find_seams(again, {kind, count, window}, Pyramid(Quality::normal, 16), [](double) {}).seams;
+        find_seams(again, {kind, window}, count, Pyramid(Quality::normal, 16), [](double) {}).seams;
     return out;
 }
 

@@ -199,7 +199,7 @@ TEST_CASE("starts stand at the centres of equal parts of the window") {
 
 TEST_CASE("on flat energy seams are straight") {
     auto energy = volume({9, 6, 5}, Axis::u, 4, [](std::size_t, std::size_t) { return 2.0f; });
-    const auto found = find_seams(energy, {Seams::Kind::remove, 3, {0, 8}}, greedy(4), nobody);
+    const auto found = find_seams(energy, {Seams::Kind::remove, {0, 8}}, 3, greedy(4), nobody);
     for (const auto& seam : found.seams) {
         CHECK(std::set(seam.at.begin(), seam.at.end()).size() == 1);
         CHECK(seam.energy == 2.0 * 6 * 5 * 4);
@@ -219,7 +219,7 @@ TEST_CASE("seams after the first are found in what the others left, inside a win
     const ColumnSizes shape{6, 5, 3};
     auto energy = noise({12, 6, 5}, Axis::u, 3, 3), state = noise({12, 6, 5}, Axis::u, 3, 3);
     const Window window{2, 9};
-    const auto found = find_seams(energy, {Seams::Kind::remove, 8, window}, greedy(16), nobody);
+    const auto found = find_seams(energy, {Seams::Kind::remove, window}, 8, greedy(16), nobody);
     REQUIRE(found.seams.size() == 8);
     for (int n = 0; n < 8; ++n) {
         const auto& seam = found.seams[static_cast<std::size_t>(n)];
@@ -237,9 +237,9 @@ TEST_CASE(
     "sorted") {
     const ColumnSizes shape{6, 5, 3};
     auto removals = noise({9, 6, 5}, Axis::u, 3, 4), insertions = noise({9, 6, 5}, Axis::u, 3, 4);
-    const auto removed = find_seams(removals, {Seams::Kind::remove, 8, {0, 7}}, greedy(16), nobody);
+    const auto removed = find_seams(removals, {Seams::Kind::remove, {0, 7}}, 8, greedy(16), nobody);
     const auto inserted =
-        find_seams(insertions, {Seams::Kind::insert, 8, {0, 8}}, greedy(16), nobody);
+        find_seams(insertions, {Seams::Kind::insert, {0, 8}}, 8, greedy(16), nobody);
     std::vector<std::vector<std::uint16_t>> ranked(
         8, std::vector<std::uint16_t>(removed.seams[0].at.size()));
     for (std::size_t c = 0; c < removed.seams[0].at.size(); ++c) {
@@ -261,7 +261,7 @@ TEST_CASE(
 TEST_CASE("more seams than fit are refused with the number that does") {
     auto energy = noise({12, 3, 3}, Axis::u, 1, 5);
     const auto fault = [&](Seams::Kind kind, int count, Window window) {
-        return failure_of([&] { find_seams(energy, {kind, count, window}, greedy(16), nobody); });
+        return failure_of([&] { find_seams(energy, {kind, window}, count, greedy(16), nobody); });
     };
     CHECK(fault(Seams::Kind::remove, 9, {2, 9}) ==
           "9 seams do not fit: window [2, 9] has room to remove 8");
@@ -273,7 +273,7 @@ TEST_CASE("more seams than fit are refused with the number that does") {
     CHECK(fault(Seams::Kind::insert, 1, {11, 11}) ==
           "1 seam does not fit: window [11, 11] has room to insert none; a new vertex goes between "
           "two old ones, so none can follow the lattice's last vertex");
-    CHECK(find_seams(energy, {Seams::Kind::remove, 12, {0, 11}}, greedy(16), nobody).seams.size() ==
+    CHECK(find_seams(energy, {Seams::Kind::remove, {0, 11}}, 12, greedy(16), nobody).seams.size() ==
           12);
 }
 
@@ -285,7 +285,7 @@ TEST_CASE("the number of threads changes no seam") {
         arena.execute([&] {
             auto energy = noise({40, 9, 11}, Axis::u, 4, 6);
             found.push_back(
-                find_seams(energy, {Seams::Kind::insert, 5, {0, 39}}, greedy(16), nobody));
+                find_seams(energy, {Seams::Kind::insert, {0, 39}}, 5, greedy(16), nobody));
         });
     }
     for (std::size_t n = 0; n < 5; ++n) {
@@ -314,7 +314,7 @@ TEST_CASE(
             auto copy = noise({width, shape.laterals, shape.slices}, Axis::u,
                               static_cast<std::size_t>(shape.frames), n, true);
             seams.push_back(
-                find_seams(copy, {Seams::Kind::remove, 1, window, still}, find, nobody).seams[0]);
+                find_seams(copy, {Seams::Kind::remove, window, still}, 1, find, nobody).seams[0]);
         }
         INFO("case " << n);
         for (const auto& seam : seams) {
@@ -348,7 +348,7 @@ TEST_CASE(
     const ColumnSizes shape{4, 5, 3};
     auto energy = noise({9, 4, 5}, Axis::u, 3, 8), left = noise({9, 4, 5}, Axis::u, 3, 8);
     const auto found =
-        find_seams(energy, {Seams::Kind::remove, 3, {0, 8}, true}, greedy(9), nobody);
+        find_seams(energy, {Seams::Kind::remove, {0, 8}, true}, 3, greedy(9), nobody);
     for (const auto& seam : found.seams) {
         REQUIRE(seam.at.size() == 3 * 20);
         CHECK(std::equal(seam.at.begin(), seam.at.begin() + 40, seam.at.begin() + 20));
@@ -362,14 +362,14 @@ TEST_CASE(
         return t == 0 ? 1000.0f : 0.25f / static_cast<float>(1u << n);
     });
     const auto finest =
-        find_seams(close, {Seams::Kind::remove, 1, {0, 2}, true}, greedy(3), nobody).seams[0];
+        find_seams(close, {Seams::Kind::remove, {0, 2}, true}, 1, greedy(3), nobody).seams[0];
     CHECK(finest.at == std::vector<std::uint16_t>{2, 2});
     CHECK(finest.energy == 1000.0625);
 }
 
 TEST_CASE("a search stops when it is told to") {
     auto energy = noise({12, 3, 3}, Axis::u, 2, 5);
-    CHECK_THROWS_AS(find_seams(energy, {Seams::Kind::remove, 3, {0, 11}}, greedy(16),
+    CHECK_THROWS_AS(find_seams(energy, {Seams::Kind::remove, {0, 11}}, 3, greedy(16),
                                [](double fraction) {
                                    if (fraction > 0.3) throw Cancelled{};
                                }),

@@ -376,7 +376,7 @@ TEST_CASE("a search is told of the last seam before it goes on, as it was found"
                     walker.start_from(last);
                 };
                 return find_seams(
-                           energy, {kind, count, {2, 37}, still}, std::ref(walker), [](double) {},
+                           energy, {kind, {2, 37}, still}, count, std::ref(walker), [](double) {},
                            continued)
                     .seams;
             };
@@ -398,7 +398,7 @@ TEST_CASE("a pyramid of very many columns goes on as if it had never stopped") {
         for (auto& code : energy.codes(0))
             code = static_cast<std::uint16_t>(20000 + random() % 16384);
         return find_seams(
-                   energy, {Seams::Kind::insert, count, {0, 3}}, Pyramid(Quality::draft, 1),
+                   energy, {Seams::Kind::insert, {0, 3}}, count, Pyramid(Quality::draft, 1),
                    [](double) {}, continued)
             .seams;
     };

@@ -254,7 +254,7 @@ TEST_CASE(
             SearchOptions continued;
             continued.bounds = bounds;
             continued.before = std::move(before);
-            return find_seams(energy, {Seams::Kind::remove, 5, {0, 39}},
+            return find_seams(energy, {Seams::Kind::remove, {0, 39}}, 5,
                               Pyramid(Quality::normal, 16), nobody, continued)
                 .seams;
         };

@@ -80,9 +80,9 @@ TEST_CASE(
                   box(shape));
         auto first = volume_of(energy, shape), second = volume_of(energy, shape);
         check_same(solved.seams->seams,
-                   find_seams(first, {kind, 3, {1, 6}}, greedy(16), nobody).seams);
+                   find_seams(first, {kind, {1, 6}}, 3, greedy(16), nobody).seams);
         check_same(solved.seams->pairs,
-                   find_seams(second, {opposite(kind), 3, {7, 15}}, greedy(16), nobody).seams);
+                   find_seams(second, {opposite(kind), {7, 15}}, 3, greedy(16), nobody).seams);
         CHECK(solved.seams->kind == kind);
         CHECK(solved.seams->shape_after(3) == shape);
         CHECK(solved.listener.entry["energy"][2] == solved.seams->seams[2].energy);

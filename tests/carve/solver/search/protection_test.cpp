@@ -195,7 +195,7 @@ TEST_CASE(
         INFO("case " << n);
         if (want.cost > blocked / 2) {
             REQUIRE_THROWS_AS(
-                find_seams(energy, {Seams::Kind::remove, 1, window, true}, greedy(16), nobody),
+                find_seams(energy, {Seams::Kind::remove, window, true}, 1, greedy(16), nobody),
                 NoSeam);
             continue;
         }
@@ -255,7 +255,7 @@ TEST_CASE("where there is no seam, that is said, with a column that is to blame"
                 free[c] += code_at(puzzle.energy, c, entry) != protected_code;
         const bool possible = puzzle.possible();
         try {
-            find_seams(puzzle.energy, {Seams::Kind::remove, 1, puzzle.window}, greedy(16), nobody);
+            find_seams(puzzle.energy, {Seams::Kind::remove, puzzle.window}, 1, greedy(16), nobody);
             REQUIRE(possible);
         } catch (const NoSeam& none) {
             REQUIRE(!possible);
@@ -290,7 +290,7 @@ TEST_CASE("seams run out only where the rest has none") {
         std::vector<Seams::Seam> seams;
         int possible = 4;
         try {
-            const auto found = find_seams(energy, {Seams::Kind::remove, 4, {1, 6}}, find, nobody);
+            const auto found = find_seams(energy, {Seams::Kind::remove, {1, 6}}, 4, find, nobody);
             for (std::size_t s = 0; s < 4; ++s) {
                 const auto cost = costs_of(left);
                 REQUIRE(Puzzle::sum(found.seams[s].at, cost) < blocked / 2);
@@ -312,7 +312,7 @@ TEST_CASE("seams run out only where the rest has none") {
         for (std::size_t t = 0; t < again.frames(); ++t)
             std::ranges::copy(left.codes(t), again.codes(t).begin());
         again.find_marks();
-        const auto found = find_seams(again, {Seams::Kind::remove, possible, {1, 6}}, find, nobody);
+        const auto found = find_seams(again, {Seams::Kind::remove, {1, 6}}, possible, find, nobody);
         for (const auto& seam : found.seams) left.remove(seam.at);
         REQUIRE(
             brute_force(graph, Band::whole(graph.count(), {1, 6 - possible}), costs_of(left)).cost >
@@ -440,7 +440,7 @@ TEST_CASE(
             }
         energy.find_marks();
         CHECK(energy.attracted() == total);
-        const auto found = find_seams(energy, {Seams::Kind::remove, 10, {0, 63}, still},
+        const auto found = find_seams(energy, {Seams::Kind::remove, {0, 63}, still}, 10,
                                       Pyramid(Quality::normal, 16), nobody);
         std::size_t taken = 0;
         for (const auto n : found.attracted) taken += n;
