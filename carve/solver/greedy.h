@@ -22,10 +22,10 @@ enum class Guide {
 /// allow. The Gaussian is centred on the entry in slice 0. It is half as wide as the cone in each
 /// slice, and as high as the window's mean energy in the first frame. It steers the seam and does
 /// not count as energy.
-/// If vertices are marked, costs (Costs) replace energies. A search blocked by protected vertices
-/// passes through one of them. If they block all searches, the seam that passes fewest is moved
-/// aside (search/protection.h), which finds a way if there is one. Deterministic. Takes 0.4 s for
-/// 322 x 105 x 331 vertices, 84 frames and 16 starts on two cores.
+/// If vertices are marked, costs (EntryCosts) replace energies. A search blocked by protected
+/// vertices passes through one of them. If they block all searches, the seam that passes fewest is
+/// moved aside (search/protection.h), which finds a way if there is one. Deterministic. Takes 0.4 s
+/// for 322 x 105 x 331 vertices, 84 frames and 16 starts on two cores.
 /// @param number  number of seams found before
 /// @param starts  at least 1; at most one per entry of the window is used
 Seams::Seam greedy_seam(const EnergyVolume& energy, Window window, int number, int starts,

@@ -25,7 +25,7 @@ double mean_energy(const EnergyVolume& energy, Window window) {
     const auto row = static_cast<std::size_t>(energy.laterals());
     // Marked entries count 0.
     const auto energies = [](Cell cell) {
-        const auto cost = Costs{}(cell);
+        const auto cost = EntryCosts{}(cell);
         return std::isinf(cost) ? 0.0f : std::max(cost, 0.0f);
     };
     // Slices are added in order, so that the sum does not depend on the threads.

@@ -134,7 +134,7 @@ void check_params(const SolverParams& params, NodeCheck& check) {
     check_windows(params, check);
     const bool field = check.connections("field") > 0;
     const bool forward =
-        params.cost.value_or(field ? Cost::forward : Cost::backward) == Cost::forward;
+        params.cost.value_or(field ? CostMode::forward : CostMode::backward) == CostMode::forward;
     check_field(forward, field, check);
     check_thick(params, field, check);
     if (forward && params.thickness.value_or(1) == 1) check_thin(params, check);

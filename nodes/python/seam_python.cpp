@@ -156,7 +156,7 @@ struct SeamPython : SeamNode {
         SeamNode::check(params, check);
         // Static seams are found in the sum of all frames, which has no field.
         const bool has_field = check.stated("field") && !params.static_ && !params.pair_static &&
-                               params.cost.value_or(Cost::forward) == Cost::forward;
+                               params.cost.value_or(CostMode::forward) == CostMode::forward;
         check_script(params, "seam", {"energy"}, check,
                      has_field ? std::vector<std::string>{"field"} : std::vector<std::string>{});
     }

@@ -136,7 +136,7 @@ EnergyVolume EnergyVolume::sum() const {
             for (std::size_t n = 0; n < part.size(); ++n) {
                 const auto code = codes(t)[range.begin() + n];
                 if (code == attracted_code) ++attracted[n];
-                else part[n] += Costs{}(code);
+                else part[n] += EntryCosts{}(code);
             }
         for (std::size_t n = 0; n < part.size(); ++n) {
             const auto at = range.begin() + n;

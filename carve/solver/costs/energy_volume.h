@@ -22,7 +22,7 @@ namespace fluidcarve {
 /// What an entry costs the seam that takes it: its energy; infinity if it is protected; a negative
 /// cost if it is attracted. A seam of least cost passes no protected vertex, and takes attracted
 /// ones where that is worth the detour.
-struct Costs {
+struct EntryCosts {
     float attraction = 0;  ///< an attracted entry costs minus this
 
     float operator()(std::uint16_t code) const {
@@ -110,7 +110,7 @@ public:
     bool protects() const { return protects_; }
     std::size_t attracted() const { return attracted_; }  ///< attracted vertices left
     bool attracts() const { return attracted_ > 0; }
-    Costs costs() const { return {attraction_}; }
+    EntryCosts costs() const { return {attraction_}; }
     /// A finite cost that stands for a protected vertex where it must be weighed against others.
     float barrier() const { return attraction_ * static_cast<float>(frames_summed_); }
 

@@ -17,8 +17,8 @@ struct CutSeam {
 };
 
 /// Finds the seam of least energy in a band by a minimum cut (cut.h); if vertices are marked, the
-/// seam of least cost (Costs). Energies become integers of up to 24 bits for the highest in the
-/// band.
+/// seam of least cost (EntryCosts). Energies become integers of up to 24 bits for the highest in
+/// the band.
 /// @param band       of all columns; holds at least one seam
 /// @param tolerance  by how much the seam may exceed the least cost, as a share of it
 /// @param number     number of seams found before; ties lean to one side for even numbers, to the

@@ -18,7 +18,7 @@ namespace fluidcarve {
 /// Messages take up to 400 MB, or what two frames need: 6 bytes per entry of the window; and at
 /// half the resolution 6 bytes per entry, of all frames. The energy at half the resolution comes on
 /// top.
-/// If vertices are marked, this is a bound on the cost (Costs); energy_bound() turns it into a
+/// If vertices are marked, this is a bound on the cost (EntryCosts); energy_bound() turns it into a
 /// bound on the energy.
 /// @param window  holds a seam
 /// @param passes  passes to and fro after the first pass through each block, 0 or more;

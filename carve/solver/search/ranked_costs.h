@@ -49,7 +49,7 @@ public:
 
 private:
     static constexpr std::uint32_t sign = 0x80000000;
-    Costs costs_;
+    EntryCosts costs_;
 };
 
 }  // namespace fluidcarve

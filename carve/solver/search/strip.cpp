@@ -137,7 +137,7 @@ double energy_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam
                         } else {
                             for_columns<std::uint16_t>(
                                 energy, begin, end, [&](std::size_t c, const std::uint16_t* codes) {
-                                    sum += Costs{}(codes[seam[c]]);
+                                    sum += EntryCosts{}(codes[seam[c]]);
                                 });
                         }
                         return sum;

@@ -12,7 +12,7 @@
 namespace fluidcarve {
 
 /// The energies of a band of equal width, column after column. They are read again and again while
-/// a seam is refined. If vertices are marked, Costs replace energies.
+/// a seam is refined. If vertices are marked, EntryCosts replace energies.
 class Strip {
 public:
     /// @param band    intervals of one size
@@ -77,7 +77,7 @@ double cost_of_steps(const Columns& columns, const StepCosts& steps,
 /// Energy of a seam: the sum over its entries and the costs of its steps. Attracted vertices count
 /// 0.
 double energy_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam);
-/// Cost of a seam: the same sum with Costs.
+/// Cost of a seam: the same sum with EntryCosts.
 double cost_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam);
 /// Lower bound on the energy of any seam that takes as many attracted vertices as `seam`.
 /// @param cost_bound  lower bound on the cost of any seam

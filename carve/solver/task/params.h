@@ -25,15 +25,15 @@ struct ChoiceNames<Measure> {
 };
 
 /// What a seam pays for.
-enum class Cost {
+enum class CostMode {
     backward,  ///< the energy that it removes
     forward,   ///< also the edges that it leaves behind
 };
 
 template <>
-struct ChoiceNames<Cost> {
-    static constexpr std::array names = {std::pair{"backward", Cost::backward},
-                                         std::pair{"forward", Cost::forward}};
+struct ChoiceNames<CostMode> {
+    static constexpr std::array names = {std::pair{"backward", CostMode::backward},
+                                         std::pair{"forward", CostMode::forward}};
 };
 
 /// The parameters of a solver (meanings: pipelines/NODES.md).
@@ -47,7 +47,7 @@ struct SolverParams {
     bool best_effort = false;
     Measure measure = Measure::vertex;
     Auto<int> thickness = 1;
-    Auto<Cost> cost;
+    Auto<CostMode> cost;
     float field_weight = 1;
     Auto<float> empty;
     Auto<float> rigidity;
