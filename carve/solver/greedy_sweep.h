@@ -272,7 +272,7 @@ private:
         const auto pass = [&](std::size_t other, bool in_time) {
             out.passed[out.count++] = {entries_of(other), step_costs_.field(other), in_time};
         };
-        const auto neighbours = columns_.around(c, at);
+        const auto neighbours = columns_.neighbours(c, at);
         for (std::size_t d = 0; d < neighbours.size(); d += 2)
             if (neighbours[d] < c) pass(neighbours[d], d == 4);
         out.neighbours = out.count;

@@ -57,7 +57,7 @@ std::string fault_of_seam(const std::vector<std::uint16_t>& at, const float* cos
         if (std::isinf(costs[n * width + static_cast<std::size_t>(entry)]))
             return fmt::format("entry {} at {} is protected: its energy is inf", entry,
                                place_text(columns, n));
-        for (const auto beside : columns.around(n, columns.place(n)))
+        for (const auto beside : columns.neighbours(n, columns.place(n)))
             if (beside != Columns::none && std::abs(at[n] - at[beside]) > 1)
                 return fmt::format(
                     "entries {} and {} at the neighbours {} and {} differ by more than 1", entry,

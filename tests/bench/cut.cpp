@@ -96,7 +96,7 @@ Solved boykov_kolmogorov(const WholeCosts& given) {
         for (std::size_t n = 0; n + 1 < inner; ++n)
             join(first + n, first + n + 1, costs[n + 1], endless);
         join(first + inner - 1, sink, costs[inner], 0);
-        for (const auto other : given.columns.around(c, given.columns.place(c)))
+        for (const auto other : given.columns.neighbours(c, given.columns.place(c)))
             if (other != Columns::none)
                 for (std::size_t n = 1; n < inner; ++n)
                     join(first + n, other * inner + n - 1, endless, 0);

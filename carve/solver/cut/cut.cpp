@@ -142,7 +142,7 @@ void Cut::lifts(std::size_t high, std::size_t low, unsigned direction, int first
 void Cut::add_lifts(std::size_t c, const LiftsOf& lifts_of, std::vector<std::int32_t>& costs,
                     std::vector<std::int32_t>& scratch) {
     const auto& column = graph_.columns[c];
-    const auto around = graph_.layout.around(c, graph_.layout.place(c));
+    const auto neighbours = graph_.layout.neighbours(c, graph_.layout.place(c));
     const auto add = [&](int entry, std::int32_t lift) {
         auto& cost = costs[static_cast<std::size_t>(entry - column.first)];
         if (cost != endless) cost += lift;
@@ -151,22 +151,22 @@ void Cut::add_lifts(std::size_t c, const LiftsOf& lifts_of, std::vector<std::int
         return entry >= of.first && entry <= of.last;
     };
     std::int32_t one = 0;
-    for (unsigned d = 0; d < around.size(); ++d) {
-        if (around[d] == Columns::none) continue;
-        const auto& other = graph_.columns[around[d]];
+    for (unsigned d = 0; d < neighbours.size(); ++d) {
+        if (neighbours[d] == Columns::none) continue;
+        const auto& other = graph_.columns[neighbours[d]];
         if (has(column, other.last + 1)) {
-            lifts(c, around[d], d, other.last, lifts_of, {&one, 1});
+            lifts(c, neighbours[d], d, other.last, lifts_of, {&one, 1});
             add(other.last + 1, one);
         }
         if (has(column, other.first - 1) && column.last != other.first - 1) {
-            lifts(around[d], c, d, other.first - 1, lifts_of, {&one, 1});
+            lifts(neighbours[d], c, d, other.first - 1, lifts_of, {&one, 1});
             add(other.first - 1, one);
         }
         const int first = std::max(column.first, other.first),
                   last = std::min(column.last, other.last);
         if (first >= last) continue;
         scratch.resize(static_cast<std::size_t>(last - first));
-        lifts(c, around[d], d, first, lifts_of, scratch);
+        lifts(c, neighbours[d], d, first, lifts_of, scratch);
         for (std::size_t n = 0; n < scratch.size(); ++n)
             graph_.level[column.begin + static_cast<std::size_t>(first - column.first) + n][d] =
                 scratch[n];

@@ -29,13 +29,14 @@ float highest_lift(const Columns& columns, const Band& band, const StepCosts& st
         tbb::blocked_range<std::size_t>(0, columns.count(), 4096), 0.0f,
         [&](const tbb::blocked_range<std::size_t>& range, float out) {
             for (auto c = range.begin(); c < range.end(); ++c) {
-                const auto around = columns.around(c, columns.place(c));
-                for (std::size_t d = 0; d < around.size(); ++d)
+                const auto neighbours = columns.neighbours(c, columns.place(c));
+                for (std::size_t d = 0; d < neighbours.size(); ++d)
                     for (int entry = band.columns[c].first;
-                         around[d] != Columns::none && entry <= band.columns[c].last; ++entry)
-                        if (entry > 0 && entry - 1 >= band.columns[around[d]].first &&
-                            entry - 1 <= band.columns[around[d]].last)
-                            out = std::max(out, steps.lift(c, around[d], entry - 1, d / 2 == 2));
+                         neighbours[d] != Columns::none && entry <= band.columns[c].last; ++entry)
+                        if (entry > 0 && entry - 1 >= band.columns[neighbours[d]].first &&
+                            entry - 1 <= band.columns[neighbours[d]].last)
+                            out =
+                                std::max(out, steps.lift(c, neighbours[d], entry - 1, d / 2 == 2));
             }
             return out;
         },

@@ -223,7 +223,7 @@ std::vector<std::uint16_t> prolong_seam(const Columns& coarse, std::span<const s
          again;) {
         again = false;
         for (std::size_t c = 0; c < out.size(); ++c)
-            for (const auto other : fine.around(c, fine.place(c)))
+            for (const auto other : fine.neighbours(c, fine.place(c)))
                 if (other != Columns::none && out[c] > out[other] + 1) {
                     out[c] = static_cast<std::uint16_t>(out[other] + 1);
                     again = true;

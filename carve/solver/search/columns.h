@@ -51,7 +51,7 @@ public:
     /// The neighbours of a column: before and behind it along lateral, k, t; or `none`.
     /// @param column  its index
     /// @param at      place(column)
-    std::array<std::size_t, directions> around(std::size_t column, const Place& at) const {
+    std::array<std::size_t, directions> neighbours(std::size_t column, const Place& at) const {
         std::array<std::size_t, directions> out;
         const auto row = laterals_ - 1, ring = laterals_ * (slices_ - 1), frame = per_frame();
         out[0] = at.lateral > 0 ? column - 1 : around_ ? column + row : none;

@@ -81,12 +81,12 @@ private:
     };
 
     void find_beside(std::size_t first, std::size_t along) {
-        const auto around = strip_.columns().around(first, strip_.columns().place(first));
+        const auto neighbours = strip_.columns().neighbours(first, strip_.columns().place(first));
         count_ = 0;
-        for (std::size_t d = 0; d < around.size(); ++d)
-            if (d / 2 != along && around[d] != Columns::none)
+        for (std::size_t d = 0; d < neighbours.size(); ++d)
+            if (d / 2 != along && neighbours[d] != Columns::none)
                 beside_[count_++] = {
-                    static_cast<std::ptrdiff_t>(around[d]) - static_cast<std::ptrdiff_t>(first),
+                    static_cast<std::ptrdiff_t>(neighbours[d]) - static_cast<std::ptrdiff_t>(first),
                     d / 2 == 2};
     }
     static std::size_t away(std::size_t column, std::ptrdiff_t step) {

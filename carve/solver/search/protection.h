@@ -40,7 +40,7 @@ std::optional<std::size_t> move_to_seam(const Columns& columns, std::vector<std:
     while (!moved.empty()) {
         next.clear();
         for (const auto c : moved)
-            for (const auto other : columns.around(c, columns.place(c))) {
+            for (const auto other : columns.neighbours(c, columns.place(c))) {
                 if (other == Columns::none || step * (at[c] - at[other]) <= 1) continue;
                 if (!take_free(other, at[c] - step)) return other;
                 next.push_back(other);

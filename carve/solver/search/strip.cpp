@@ -91,10 +91,10 @@ double cost_of_steps(const Columns& columns, const StepCosts& steps,
         [&](const tbb::blocked_range<std::size_t>& range, double sum) {
             for (auto row = range.begin(); row < range.end(); ++row) {
                 const auto first = row * laterals;
-                const auto around = columns.around(first, columns.place(first));
+                const auto neighbours = columns.neighbours(first, columns.place(first));
                 // The offsets to the next row and to the next frame are the same for all columns
                 // of a row.
-                const auto next_row = around[3], next_frame = around[5];
+                const auto next_row = neighbours[3], next_frame = neighbours[5];
                 const auto add = [&](std::size_t c, std::size_t other, bool in_time) {
                     if (seam[c] != seam[other])
                         sum += static_cast<double>(steps(c, seam[c], other, seam[other], in_time));

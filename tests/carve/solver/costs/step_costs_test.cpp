@@ -469,10 +469,10 @@ TEST_CASE("rigid seams step less, in space or in time, and none at all if it is 
         const Columns columns(energy);
         std::array<int, 2> out{};
         for (std::size_t c = 0; c < columns.count(); ++c) {
-            const auto around = columns.around(c, columns.place(c));
-            for (std::size_t d = 1; d < around.size(); d += 2)
-                if (around[d] != Columns::none)
-                    out[d / 2 == 2] += std::abs(seam.at[c] - seam.at[around[d]]);
+            const auto neighbours = columns.neighbours(c, columns.place(c));
+            for (std::size_t d = 1; d < neighbours.size(); d += 2)
+                if (neighbours[d] != Columns::none)
+                    out[d / 2 == 2] += std::abs(seam.at[c] - seam.at[neighbours[d]]);
         }
         return out;
     };
