@@ -263,7 +263,7 @@ private:
                               const Columns::Place& at) const {
         const auto seams = starts_.size(), frame_columns = columns_.per_frame(),
                    first_column = at.t * frame_columns;
-        const auto c = columns_.at(at.lateral, at.k, at.t);
+        const auto c = columns_.at(at.lateral, at.slice, at.t);
         const auto entries_of = [&](std::size_t other) {
             return other < first_column ? before + (other + frame_columns - first_column) * seams
                                         : now + (other - first_column) * seams;
@@ -280,8 +280,8 @@ private:
             if (place + 1 == size) pass(start, false);
             out.reaches[out.starts++] = {entries_of(start), static_cast<int>(size - place)};
         };
-        out.home = ring_ != Ring::open && at.k > 0;
-        if (out.home) stay_near(columns_.at(at.lateral, 0, at.t), at.k, columns_.slices());
+        out.home = ring_ != Ring::open && at.slice > 0;
+        if (out.home) stay_near(columns_.at(at.lateral, 0, at.t), at.slice, columns_.slices());
         if (columns_.ring(0) && at.lateral > 0)
             stay_near(c - at.lateral, at.lateral, columns_.laterals());
         out.by_lanes = out.field && energy_.stride() >= static_cast<std::size_t>(lane_count);

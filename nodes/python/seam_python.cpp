@@ -44,7 +44,7 @@ void write_field(const EnergyVolume& energy, Window window, float* to) {
 
 std::string place_text(const Columns& columns, std::size_t column) {
     const auto at = columns.place(column);
-    return fmt::format("[{}, {}, {}]", at.t, at.k, at.lateral);
+    return fmt::format("[{}, {}, {}]", at.t, at.slice, at.lateral);
 }
 
 /// The fault of a seam: an entry beside the window or protected, or neighbours that differ by more

@@ -50,7 +50,7 @@ inline std::int64_t fill_column(Residual& graph, const Residual::Column& column,
 /// Regions that cover all columns side by side: each touches the one before and the one behind.
 class Regions {
 public:
-    Regions(Residual& graph, const std::vector<Residual::Box>& boxes) {
+    Regions(Residual& graph, const std::vector<ColumnBox>& boxes) {
         for (const auto& box : boxes) all_.emplace_back(graph, box, false);
     }
 
@@ -209,7 +209,7 @@ void Cut::fill(const Band& band, const CostOf& cost_of, const LiftsOf& lifts_of)
 /// Boxes that cover all columns.
 /// @param nodes    in each box, about
 /// @param shifted  by half of their size
-std::vector<Residual::Box> Cut::tiles(std::size_t nodes, bool shifted) const {
+std::vector<ColumnBox> Cut::tiles(std::size_t nodes, bool shifted) const {
     const std::array<std::size_t, 3> sizes{graph_.layout.laterals(), graph_.layout.slices(),
                                            graph_.layout.frames()};
     double columns = static_cast<double>(nodes) * static_cast<double>(graph_.columns.size()) /
@@ -231,7 +231,7 @@ std::vector<Residual::Box> Cut::tiles(std::size_t nodes, bool shifted) const {
             cuts[d].push_back(sizes[d] * m / (2 * count));
         if (halves) cuts[d].push_back(sizes[d]);
     }
-    std::vector<Residual::Box> out;
+    std::vector<ColumnBox> out;
     for (std::size_t t = 0; t + 1 < cuts[2].size(); ++t)
         for (std::size_t k = 0; k + 1 < cuts[1].size(); ++k)
             for (std::size_t l = 0; l + 1 < cuts[0].size(); ++l)
@@ -242,17 +242,17 @@ std::vector<Residual::Box> Cut::tiles(std::size_t nodes, bool shifted) const {
 
 /// Layers along k or t, whichever is longer. Each has at least two planes, so that every second one
 /// touches no other's nodes.
-std::vector<Residual::Box> Cut::layers() const {
+std::vector<ColumnBox> Cut::layers() const {
     const std::array<std::size_t, 3> sizes{graph_.layout.laterals(), graph_.layout.slices(),
                                            graph_.layout.frames()};
     const std::size_t along = sizes[1] >= sizes[2] ? 1 : 2;
     auto count = std::clamp<std::size_t>(
         std::min(sizes[along] / 2, graph_.tags.size() / tile_nodes), 1, most_layers);
     if (count > 1 && count % 2 != 0) --count;
-    std::vector<Residual::Box> out(count, {{0, 0, 0}, sizes});
+    std::vector<ColumnBox> out(count, {{0, 0, 0}, sizes});
     for (std::size_t n = 0; n < count; ++n) {
-        out[n].low[along] = sizes[along] * n / count;
-        out[n].high[along] = sizes[along] * (n + 1) / count;
+        out[n].begin[along] = sizes[along] * n / count;
+        out[n].end[along] = sizes[along] * (n + 1) / count;
     }
     return out;
 }

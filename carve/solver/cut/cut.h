@@ -73,8 +73,8 @@ private:
                    std::vector<std::int32_t>& lifts);
     void lifts(std::size_t high, std::size_t low, unsigned direction, int first,
                const LiftsOf& lifts_of, std::span<std::int32_t> out) const;
-    std::vector<Residual::Box> tiles(std::size_t nodes, bool shifted) const;
-    std::vector<Residual::Box> layers() const;
+    std::vector<ColumnBox> tiles(std::size_t nodes, bool shifted) const;
+    std::vector<ColumnBox> layers() const;
     bool solve_tiles(bool shifted, double tolerance);
     bool solve_whole(double tolerance, const std::function<void()>& tick);
 

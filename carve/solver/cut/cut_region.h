@@ -20,7 +20,7 @@ public:
 
     /// @param walled  true: as if there were no other columns; false: columns outside get flow too,
     ///   but push it themselves
-    CutRegion(Residual& graph, const Residual::Box& box, bool walled) : graph_(graph), box_(box) {
+    CutRegion(Residual& graph, const ColumnBox& box, bool walled) : graph_(graph), box_(box) {
         const auto& all = graph.layout;
         const std::array<std::size_t, 3> size{all.laterals(), all.slices(), all.frames()};
         const std::array<std::size_t, 3> stride{1, all.laterals(), all.per_frame()};
@@ -36,10 +36,10 @@ public:
             size_ += static_cast<std::size_t>(graph_.columns[c].size());
             unsigned sides = 0;
             for (unsigned d = 0; d < 3; ++d) {
-                const bool whole = box.low[d] == 0 && box.high[d] == size[d], ring = all.ring(d);
+                const bool whole = box.begin[d] == 0 && box.end[d] == size[d], ring = all.ring(d);
                 for (unsigned ahead = 0; ahead < 2; ++ahead) {
                     const bool rim = at[d] == (ahead ? size[d] - 1 : 0),
-                               edge = at[d] == (ahead ? box.high[d] - 1 : box.low[d]);
+                               edge = at[d] == (ahead ? box.end[d] - 1 : box.begin[d]);
                     if ((rim && !ring) || (edge && walled && !(ring && whole))) continue;
                     sides |= 1u << (2 * d + ahead);
                     if (rim) sides |= 1u << (closing + 2 * d + ahead);
@@ -144,10 +144,10 @@ private:
 
     template <class Call>
     void for_each_column(const Call& call) {
-        for (auto t = box_.low[2]; t < box_.high[2]; ++t)
-            for (auto k = box_.low[1]; k < box_.high[1]; ++k) {
+        for (auto t = box_.begin[2]; t < box_.end[2]; ++t)
+            for (auto k = box_.begin[1]; k < box_.end[1]; ++k) {
                 const auto first = graph_.layout.at(0, k, t);
-                for (auto lateral = box_.low[0]; lateral < box_.high[0]; ++lateral)
+                for (auto lateral = box_.begin[0]; lateral < box_.end[0]; ++lateral)
                     call(first + lateral, std::array{lateral, k, t});
             }
     }
@@ -322,7 +322,7 @@ private:
     }
 
     Residual& graph_;
-    const Residual::Box box_;
+    const ColumnBox box_;
     std::array<std::ptrdiff_t, 12> step_;
     unsigned along_ = 0;  ///< the dimension in which the columns before and behind the box belong
                           ///< to other regions

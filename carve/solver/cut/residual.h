@@ -56,10 +56,6 @@ struct Residual {
         }
         std::uint32_t bits_ = far << 8;
     };
-    /// A part of the columns: from `low` to before `high` along lateral, k and t.
-    struct Box {
-        std::array<std::size_t, 3> low, high;
-    };
 
     static constexpr std::uint32_t none = ~std::uint32_t{0};
     /// The node below an entry; none if the column has no such node.

@@ -161,7 +161,7 @@ private:
         };
         in_wavefront(
             size, box_of_columns, [&] { return Work(width_); },
-            [&](const Box& box, Work& work) {
+            [&](const ColumnBox& box, Work& work) {
                 for (auto t = box.begin[2]; t < box.end[2]; ++t)
                     for (auto k = box.begin[1]; k < box.end[1]; ++k)
                         for (auto lateral = box.begin[0]; lateral < box.end[0]; ++lateral)

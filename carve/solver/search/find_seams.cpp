@@ -53,7 +53,7 @@ NoSeam at_full_size(const NoSeam& none, int found, const EnergyVolume& energy,
                     const FullSize& full) {
     const auto place = Columns(energy).place(none.at.column);
     return {found,
-            {full.columns.at(2 * place.lateral, 2 * place.k, 2 * place.t), 2 * none.at.vertices,
+            {full.columns.at(2 * place.lateral, 2 * place.slice, 2 * place.t), 2 * none.at.vertices,
              2 * none.at.free}};
 }
 

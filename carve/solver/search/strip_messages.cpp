@@ -89,8 +89,8 @@ FLUIDCARVE_WIDE void interpolate(const Strip& coarse, const ColumnMessages* coar
                                  const Columns::Place& at, const Strip& fine, int window_first,
                                  ColumnMessages* out) {
     const auto &few = coarse.columns(), &many = fine.columns();
-    const auto column = few.at(at.lateral, at.k, at.t);
-    const std::array<std::size_t, 3> place{at.lateral, at.k, at.t},
+    const auto column = few.at(at.lateral, at.slice, at.t);
+    const std::array<std::size_t, 3> place{at.lateral, at.slice, at.t},
         step{1, few.laterals(), few.per_frame()},
         size{many.laterals(), many.slices(), many.frames()};
     for (std::size_t d = 0; d < 3; ++d) {
@@ -164,7 +164,7 @@ void StripMessages::pass(bool forward, const Origin& origin, const std::vector<s
         messages_.data()};
     in_wavefront(
         size, box_of_messages(size), [] { return 0; },
-        [&](const Box& box, int) {
+        [&](const ColumnBox& box, int) {
             for (auto t = box.begin[2]; t < box.end[2]; ++t)
                 for (auto k = box.begin[1]; k < box.end[1]; ++k) {
                     if (work.fields != nullptr) pass_edges(work, box.begin[0], box.end[0], k, t);
@@ -181,7 +181,7 @@ void StripMessages::forget(const Origin& origin) {
         if (!columns.ring(d)) continue;
         const auto last = (origin[d] + size[d] - 1) % size[d];
         for (std::size_t c = 0; c < messages_.size(); ++c)
-            if (const auto at = columns.place(c); (d == 0 ? at.lateral : at.k) == last)
+            if (const auto at = columns.place(c); (d == 0 ? at.lateral : at.slice) == last)
                 messages_[c].along[d] = Eight{};
     }
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "carve/solver/search/columns.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -12,17 +14,12 @@ namespace fluidcarve {
 /// Fewer columns than this are better visited by one thread: waiting for others takes longer.
 constexpr std::size_t least_shared_columns = 1 << 13;
 
-/// Columns from `begin` to before `end` along each dimension.
-struct Box {
-    std::array<std::size_t, 3> begin, end;
-};
-
 /// Visits boxes of columns so that each comes after all boxes before it along every dimension.
 /// Boxes whose indices have the same sum are visited in parallel.
 /// @param size       columns along each dimension
 /// @param box        columns of a box along each dimension
 /// @param make_work  makes the buffers of a thread
-/// @param visit      called with a `Box` and the thread's buffers
+/// @param visit      called with a ColumnBox and the thread's buffers
 /// @param tick       called between the sums, with the share done, 0 to 1
 template <class MakeWork, class Visit, class Tell>
 void in_wavefront(const std::array<std::size_t, 3>& size, const std::array<std::size_t, 3>& box,
@@ -30,7 +27,7 @@ void in_wavefront(const std::array<std::size_t, 3>& size, const std::array<std::
     std::array<std::size_t, 3> count;
     for (std::size_t d = 0; d < 3; ++d) count[d] = (size[d] + box[d] - 1) / box[d];
     const auto sums = count[0] + count[1] + count[2] - 2;
-    std::vector<Box> boxes;
+    std::vector<ColumnBox> boxes;
     for (std::size_t sum = 0; sum < sums; ++sum) {
         tick(static_cast<double>(sum) / static_cast<double>(sums));
         boxes.clear();

@@ -217,7 +217,8 @@ TEST_CASE(
             count(expected.count(), 0.0);
         for (std::size_t c = 0; c < fine.count(); ++c) {
             const auto place = columns_of(fine).place(c);
-            const auto to = columns_of(expected).at(place.lateral / 2, place.k / 2, place.t / 2);
+            const auto to =
+                columns_of(expected).at(place.lateral / 2, place.slice / 2, place.t / 2);
             ++count[to];
             for (int entry = window.first; entry <= window.last; entry += 2) {
                 const double a = fine_energy(c, entry),
@@ -289,7 +290,7 @@ TEST_CASE(
             const auto place = columns_of(fine).place(c);
             const int twice =
                 window.first +
-                2 * seam[columns_of(coarse).at(place.lateral / 2, place.k / 2, place.t / 2)];
+                2 * seam[columns_of(coarse).at(place.lateral / 2, place.slice / 2, place.t / 2)];
             REQUIRE(out[c] <= twice + 2);
             if (!bent) REQUIRE(out[c] >= twice - 1);
         }

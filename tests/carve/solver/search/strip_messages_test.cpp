@@ -45,7 +45,7 @@ TEST_CASE("a wavefront visits each column once, after those before it along ever
     std::map<std::array<std::size_t, 3>, int> visits;
     in_wavefront(
         size, {3, 2, 2}, [] { return 0; },
-        [&](const Box& box, int) {
+        [&](const ColumnBox& box, int) {
             const std::lock_guard lock(mutex);
             for (auto t = box.begin[2]; t < box.end[2]; ++t)
                 for (auto k = box.begin[1]; k < box.end[1]; ++k)
