@@ -221,13 +221,13 @@ private:
     Json solve(const Params& params, const WarpAmount& amount, const CarvedSpace& space, Seams& set,
                Context& context) {
         const auto begin = std::chrono::steady_clock::now();
-        auto taken = gathered_.take_unpriced(gathering_params(params), space, context.limits());
+        auto sampled = gathered_.take_sampled(gathering_params(params), space, context.limits());
         const auto frames = params.static_ ? std::size_t{1} : set.frames.size();
         const int factor = warp_factor_for(params, set, frames);
         auto& warp = set.warp.emplace(set.warp_vertices(), set.warp_rings(), factor, frames,
                                       context.limits());
         FrameStore weights(frames, warp.values(0).size(), context.limits());
-        find_weights(taken.energy, taken.typical,
+        find_weights(sampled.energy, sampled.typical,
                      {params.field_weight, params.evenness, params.empty}, warp, weights);
         const auto task = warp_task(params, amount, set, warp);
         if (const auto none = no_room(task, warp, weights))

@@ -30,7 +30,7 @@ Ref<Seams> SeamSearch::find(const Tick& tick) {
     auto out = std::make_shared<Seams>(empty_seams(params_, task, space));
     if (task.count == 0) return out;
     gathered_.require_met();
-    auto [energy, thick, thickness] = gathered_.take(params_, space, limits_);
+    auto [energy, thick, thickness] = gathered_.take_priced(params_, space, limits_);
     out->thickness = thickness;
     const FindSeam solver = Pyramid(Quality::normal, Pyramid::usual_starts);
     const PartFinder find(energy, task, space, solver, limits_);

@@ -33,8 +33,8 @@ public:
     /// Finds the seams. Call it once, after all frames are added.
     /// @param tick  is called a few times per second with the share that is done, 0 to 1; what it
     /// throws ends the search
-    /// @throws Failure as task_of() and GatheredEnergy::take(), or if there is no room for so many
-    /// seams
+    /// @throws Failure as task_of() and GatheredEnergy::take_priced(), or if there is no room for
+    /// so many seams
     Ref<Seams> find(const Tick& tick = [](double) {});
 
 private:

@@ -102,7 +102,7 @@ void SeamNode::solve(const Params& stated, Ports& io, Context& context, const Fi
         // Before the search, which may take long.
         for (const auto& warning : gathered_.warnings()) context.warn_at_once(warning);
         if (finest > 1 && !params.finest) context.warn_at_once(half_size_note(space));
-        auto [energy, thick, thickness] = gathered_.take(params, space, context.limits());
+        auto [energy, thick, thickness] = gathered_.take_priced(params, space, context.limits());
         empty.thickness = thickness;
         // Seams of full size do not tell the seams of half size that they came from.
         if (finest > 1) before_ = {};

@@ -168,7 +168,7 @@ EnergyVolume GatheredEnergy::room(const std::array<int, 3>& shape, std::size_t f
     return out;
 }
 
-GatheredEnergy::Taken GatheredEnergy::whole() {
+GatheredEnergy::SampledEnergy GatheredEnergy::uncarved() {
     auto out = std::move(*energy_);
     const bool still = lattices_.size() == 1 && out.frames() > 1;
     const auto field = still && out.has_field() ? out.field_codes(0) : std::vector<std::uint16_t>();
@@ -187,8 +187,9 @@ std::uint64_t GatheredEnergy::left_beside(const EnergyVolume& other, const Limit
     return bytes > all ? all : all - bytes;
 }
 
-GatheredEnergy::Taken GatheredEnergy::carved(const SolverParams& params, const CarvedSpace& space,
-                                             const Limits& limits) {
+GatheredEnergy::SampledEnergy GatheredEnergy::carved(const SolverParams& params,
+                                                     const CarvedSpace& space,
+                                                     const Limits& limits) {
     auto from = std::move(*energy_);
     const auto& shape = lattices_.front()->shape;
     auto out =
@@ -209,10 +210,10 @@ GatheredEnergy::Taken GatheredEnergy::carved(const SolverParams& params, const C
     return {std::move(out), Typical::of(from)};
 }
 
-GatheredEnergy::Taken GatheredEnergy::take_unpriced(const SolverParams& params,
-                                                    const CarvedSpace& space,
-                                                    const Limits& limits) {
-    auto out = space.carved() ? carved(params, space, limits) : whole();
+GatheredEnergy::SampledEnergy GatheredEnergy::take_sampled(const SolverParams& params,
+                                                           const CarvedSpace& space,
+                                                           const Limits& limits) {
+    auto out = space.carved() ? carved(params, space, limits) : uncarved();
     energy_.reset();
     if (params.axis != Axis::t) return out;
     auto in_time = turned(out.energy, {left_beside(out.energy, limits), limits.folder});
@@ -245,16 +246,17 @@ std::optional<Thick> GatheredEnergy::thick_for(const SolverParams& params,
                  {params.field_weight, params.empty, rigidity_of(params, default_rigidity)}};
 }
 
-GatheredEnergy::Searched GatheredEnergy::take(const SolverParams& params, const CarvedSpace& space,
-                                              const Limits& limits) {
-    auto taken = take_unpriced(params, space, limits);
-    Searched out{std::move(taken.energy), std::nullopt, 1};
+GatheredEnergy::PricedEnergy GatheredEnergy::take_priced(const SolverParams& params,
+                                                         const CarvedSpace& space,
+                                                         const Limits& limits) {
+    auto sampled = take_sampled(params, space, limits);
+    PricedEnergy out{std::move(sampled.energy), std::nullopt, 1};
     out.thick = thick_for(params, out.energy);
     if (out.thick) {
         out.thickness = out.thick->thickness * finest_;
         out.energy.set_spread(0);
     } else {
-        set_prices(out.energy, taken.typical, prices_of(params, has_field_));
+        set_prices(out.energy, sampled.typical, prices_of(params, has_field_));
         if (out.energy.has_field()) out.energy.count_edges({budget(limits), limits.folder});
     }
     if (marks_.protect || marks_.attract) out.energy.find_marks();

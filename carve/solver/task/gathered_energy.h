@@ -56,7 +56,7 @@ public:
     /// Warnings about input that makes seams useless, although the search succeeds.
     std::vector<std::string> warnings() const;
     /// The energies of a sequence, and how thick its seams are.
-    struct Searched {
+    struct PricedEnergy {
         EnergyVolume energy;  ///< with the prices of thin seams; thick ones have prices of their
                               ///< own
         std::optional<Thick> thick;  ///< nothing: thin
@@ -67,15 +67,17 @@ public:
     /// @param space  made from lattices()
     /// @throws Failure as Typical::of(), CarvedSpace::carve_map() and FrameStore; if `thickness` is
     ///   wider than the axis
-    Searched take(const SolverParams& params, const CarvedSpace& space, const Limits& limits);
+    PricedEnergy take_priced(const SolverParams& params, const CarvedSpace& space,
+                             const Limits& limits);
 
     /// Energies and fields as sampled, and their typical values.
-    struct Taken {
+    struct SampledEnergy {
         EnergyVolume energy;
         Typical typical;
     };
     /// The same without prices of seams, for a warp. Codes hold marks, which are not counted.
-    Taken take_unpriced(const SolverParams& params, const CarvedSpace& space, const Limits& limits);
+    SampledEnergy take_sampled(const SolverParams& params, const CarvedSpace& space,
+                               const Limits& limits);
 
 private:
     /// The thickness of seams in entries of an energy; nothing if they are thin.
@@ -94,9 +96,10 @@ private:
     /// What another volume leaves of the budget. One that is larger than the budget is in a file.
     std::uint64_t left_beside(const EnergyVolume& other, const Limits& limits) const;
     /// The energy of the whole lattice, repeated in the frames that share it.
-    Taken whole();
+    SampledEnergy uncarved();
     /// The energy in the space that earlier seams leave.
-    Taken carved(const SolverParams& params, const CarvedSpace& space, const Limits& limits);
+    SampledEnergy carved(const SolverParams& params, const CarvedSpace& space,
+                         const Limits& limits);
 
     /// Adds the codes of a frame to the volume.
     void gather(const FrameEnergy& frame, std::size_t place);

@@ -37,7 +37,8 @@ struct Sequence {
                      {frames[t], t, frames.size()}, {});
     }
     EnergyVolume taken(const SolverParams& params, const std::vector<Ref<Seams>>& after = {}) {
-        return gathered.take(params, CarvedSpace(gathered.lattices(), after, frames), {}).energy;
+        return gathered.take_priced(params, CarvedSpace(gathered.lattices(), after, frames), {})
+            .energy;
     }
 };
 
