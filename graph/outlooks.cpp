@@ -38,7 +38,7 @@ public:
         const auto found = inputs_.find(input);
         return found != inputs_.end() && found->second.region ? &*found->second.region : nullptr;
     }
-    const std::vector<OutputFacts>& told(std::string_view input) const override {
+    const std::vector<OutputFacts>& receives(std::string_view input) const override {
         static const std::vector<OutputFacts> none;
         const auto found = inputs_.find(input);
         return found != inputs_.end() ? found->second.facts : none;
@@ -46,7 +46,7 @@ public:
     bool once() const override { return once_; }
     std::size_t frames() const override { return frames_; }
     void lies(const Region& region) override { outputs = region; }
-    void tell(const OutputFacts& told) override { facts = told; }
+    void delivers(const OutputFacts& stated) override { facts = stated; }
     void warn(const std::string& message) override { said_.warnings.push_back({index_, message}); }
     void fault(const std::string& message) override { said_.faults.push_back({index_, message}); }
 

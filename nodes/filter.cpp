@@ -32,7 +32,7 @@ struct FilterSeam {
         "everywhere; leave this node out";
 
     static void foresee(const Params& params, Outlook& ahead) {
-        if (warp_told(ahead)) return ahead.fault(nothing_to_smooth);
+        if (receives_warp(ahead)) return ahead.fault(nothing_to_smooth);
         foresee_carve(params.count, ahead);
     }
     static void run(const Params& params, Ports& io, Context& context) {

@@ -51,7 +51,7 @@ struct LatticeAround : LatticeNode {
 
     static void foresee(const Params& params, Outlook& ahead) {
         if (const auto* const rig = ahead.region("rig")) ahead.lies(widened(*rig, params.radius));
-        tell_form(form_of(spec_of(params)), ahead);
+        deliver_form(form_of(spec_of(params)), ahead);
     }
 
     void add(const Params&, const Ports& io, Context& context) { gather(io, context); }
@@ -110,7 +110,7 @@ struct Box {
     static void foresee(const Params& params, Outlook& ahead) {
         if (params.min && params.max) {
             ahead.lies(Region{{Region::Box{*params.min, *params.max}}, {}});
-            tell_form({shape_of(params)}, ahead);
+            deliver_form({shape_of(params)}, ahead);
         } else if (const auto* const fit = ahead.region("fit")) ahead.lies(*fit);
     }
 
@@ -231,8 +231,8 @@ struct LatticeBuild : LatticeNode {
 
     static void foresee(const Params& params, Outlook& ahead) {
         if (!params.spacing || params.extent_u.shares || params.extent_v.shares) return;
-        tell_form(form_of(spec_of(params, {}, *params.spacing)), ahead);
-        if (!ahead.told("content").empty()) return;  // content continues beyond the rig
+        deliver_form(form_of(spec_of(params, {}, *params.spacing)), ahead);
+        if (!ahead.receives("content").empty()) return;  // content continues beyond the rig
         const auto most = [](const RigExtent& extent) {
             return std::max(std::abs(extent.low), std::abs(extent.high));
         };

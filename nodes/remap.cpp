@@ -104,7 +104,7 @@ struct RemapGrids : RemapNode {
     }
 
     static void conclude(const Params&, const nlohmann::ordered_json& frames, Context& context) {
-        tell_result(frames, context);
+        report_result(frames, context);
     }
 };
 

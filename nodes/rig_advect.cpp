@@ -184,13 +184,13 @@ private:
                     fmt::format("frame {}: {}; state a larger 'apart', 'radius' or 'steady'",
                                 context.frames()[t], fault));
         }
-        tell_moves(params, lines, context);
+        warn_of_moves(params, lines, context);
     }
 
     /// Warns of the rig that is furthest from that of the frame before, if they differ by more than
     /// a step along the rig.
-    void tell_moves(const Params& params, const std::vector<std::vector<Vec3d>>& lines,
-                    const Context& context) const {
+    void warn_of_moves(const Params& params, const std::vector<std::vector<Vec3d>>& lines,
+                       const Context& context) const {
         double furthest = 0;
         std::size_t at = 0;
         for (std::size_t t = 1; t < lines.size(); ++t)

@@ -38,7 +38,7 @@ struct Choose {
         "`seams` is a warp, of which there is nothing to choose; connect the node that finds seams";
 
     static void foresee(const Params&, Outlook& ahead) {
-        if (warp_told(ahead)) ahead.fault(nothing_to_choose);
+        if (receives_warp(ahead)) ahead.fault(nothing_to_choose);
     }
     static bool wants(const Params&, const Context& context) {
         const auto all = context.frames().size(), shown = std::min(all, most_frames);

@@ -256,7 +256,7 @@ struct VdbRead {
         HeaderSurvey headers(params, survey);
         survey_files(params.path, params.missing, survey,
                      [&](int frame, int file) { headers.look(frame, file); });
-        headers.tell();
+        headers.conclude();
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
@@ -308,7 +308,7 @@ private:
             steadiness_.look(contents.header(), places, frame, survey_);
             survey_.expect(frame, memory_of(contents, places, named));
         }
-        void tell() const {
+        void conclude() const {
             for (const auto& [name, first] : several_)
                 survey_.warn(
                     fmt::format("there are several grids '{}': energies see '{}', and all are "

@@ -84,16 +84,16 @@ struct WarpSolve {
 
     static void foresee(const Params& params, Outlook& ahead) {
         if (states_nothing(params)) return;
-        tell_warp(params.static_, ahead);
+        deliver_warp(params.static_, ahead);
         warn_of_placement(ahead);
-        auto form = form_told(ahead);
-        if (form.shape[dimension(params.axis)] == 0 || !ahead.told("after").empty()) return;
+        auto form = received_form(ahead);
+        if (form.shape[dimension(params.axis)] == 0 || !ahead.receives("after").empty()) return;
         // One amount is that of all planes, however many there are.
         form.shape[2] = std::max(form.shape[2], 1);
         // Curves need planes and frames, percentages may need the content: both are known later.
         auto amount = params.amount.value_or(WarpAmount{});
         if (amount.varies()) amount = {};
-        else if (!ahead.told("content").empty()) amount = amount.in_vertices(0);
+        else if (!ahead.receives("content").empty()) amount = amount.in_vertices(0);
         try {
             require_ends(gathering_params(params), form);
             require_fits(params, amount, form.shape, form.closed, {0}, "");

@@ -284,7 +284,7 @@ void follow_convention(Image& image) {
     }
 }
 
-void tell_cut(const Image& image, const std::function<void(const std::string&)>& warn) {
+void warn_of_cut(const Image& image, const std::function<void(const std::string&)>& warn) {
     const auto count = image.channels.size();
     for (std::size_t c = 0; c < count; ++c) {
         const auto& [name, depth] = image.channels[c];
@@ -484,7 +484,7 @@ Image image_of(const Volume& volume, const ImageRequest& request,
         out.data.x = out.data.y = out.display.x = out.display.y = 0;
     }
     follow_convention(out);
-    tell_cut(out, warn);
+    warn_of_cut(out, warn);
     return out;
 }
 

@@ -195,8 +195,8 @@ StlAttributes stl_attributes(const Mesh& mesh, bool text, Losses& losses) {
     return out;
 }
 
-/// Tells which faces are written as triangles, and which vertices are not written.
-void tell_shapes(const Mesh& mesh, std::size_t vertices, Losses& losses) {
+/// Adds which faces are written as triangles, and which vertices are not written.
+void lose_shapes(const Mesh& mesh, std::size_t vertices, Losses& losses) {
     std::size_t polygons = 0;
     std::vector<bool> used(vertices);
     for (std::size_t n = 0; n < mesh.faces(); ++n) {
@@ -296,7 +296,7 @@ std::string stl_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
                text = own && !mesh.stored->binary;
     const auto [normals, extra] = stl_attributes(mesh, text, losses);
     const auto& lines = lines_for(mesh, "stl", losses);
-    tell_shapes(mesh, points.size(), losses);
+    lose_shapes(mesh, points.size(), losses);
 
     StlWriter out(text, lines);
     out.put_head(own && !lines.empty() ? lines.front().text : "fluidcarve", mesh);

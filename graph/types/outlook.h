@@ -23,14 +23,15 @@ public:
     /// The region of an input; null: unknown, or not connected.
     virtual const Region* region(std::string_view input) const = 0;
     /// The facts about an input, one entry per connection; empty: not connected.
-    virtual const std::vector<OutputFacts>& told(std::string_view input) const = 0;
+    virtual const std::vector<OutputFacts>& receives(std::string_view input) const = 0;
     /// Whether the node runs once for several frames.
     virtual bool once() const = 0;
     virtual std::size_t frames() const = 0;  ///< number of frames of its inputs
 
     /// States the region of all outputs; without a call, it is the union of the inputs' regions.
     virtual void lies(const Region& region) = 0;
-    virtual void tell(const OutputFacts& facts) = 0;
+    /// States facts about all outputs.
+    virtual void delivers(const OutputFacts& facts) = 0;
     virtual void warn(const std::string& message) = 0;
     virtual void fault(const std::string& message) = 0;  ///< says why the node cannot run
 };

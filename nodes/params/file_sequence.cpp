@@ -33,8 +33,8 @@ int held(const InputPath& path, const std::vector<int>& frames, int frame) {
     return after == frames.end() ? frame : *after;
 }
 
-/// Tells that no frame's file is there.
-void tell_none(const InputPath& path, Survey& survey) {
+/// States that no frame's file is there.
+void all_missing(const InputPath& path, Survey& survey) {
     const auto& frames = survey.frames();
     const auto needed =
         std::ranges::find_if(frames, [&](int frame) { return survey.needs(frame); });
@@ -71,7 +71,7 @@ void survey_files(const InputPath& path, Missing missing, Survey& survey,
     std::vector<int> present;
     std::ranges::copy_if(frames, std::back_inserter(present),
                          [&](int frame) { return there(path, frame); });
-    if (present.empty() && !frames.empty()) return tell_none(path, survey);
+    if (present.empty() && !frames.empty()) return all_missing(path, survey);
     const auto look_at = [&](int frame, int file) {
         if (!survey.needs(frame)) return;
         try {

@@ -14,7 +14,7 @@ namespace {
 
 const char* kind(const Rig& rig) { return rig.closed ? "closed" : "open"; }
 
-void tell(OnFold on_fold, const Context& context, const std::string& message) {
+void warn_or_fail(OnFold on_fold, const Context& context, const std::string& message) {
     if (on_fold == OnFold::error) throw Failure(message);
     context.warn(message);
 }
@@ -47,9 +47,9 @@ void LatticeNode::conclude_build(const LatticeSpec& spec, OnFold on_fold, Contex
     make_equal(spec, context);
     count_overlaps(context);
     report(context);
-    tell_smoothing(spec, context);
+    warn_of_smoothing(spec, context);
     // Voxels beside folded cells also lie in several cells: that needs no second message.
-    if (!tell_folds(spec, on_fold, context)) tell_overlap(spec, on_fold, context);
+    if (!warn_of_folds(spec, on_fold, context)) warn_of_overlap(spec, on_fold, context);
 }
 
 std::string LatticeNode::in_frame(const Context& context, std::size_t t) const {
@@ -91,7 +91,7 @@ void LatticeNode::count_overlaps(const Context& context) {
     }
 }
 
-void LatticeNode::tell_smoothing(const LatticeSpec& spec, const Context& context) const {
+void LatticeNode::warn_of_smoothing(const LatticeSpec& spec, const Context& context) const {
     const auto t = worst([](const BuiltLattice& built) { return built.moved; });
     if (built_[t].moved < spec.spacing / 2) return;
     context.warn(fmt::format(
@@ -99,8 +99,8 @@ void LatticeNode::tell_smoothing(const LatticeSpec& spec, const Context& context
         built_[t].iterations, in_frame(context, t), built_[t].moved));
 }
 
-bool LatticeNode::tell_folds(const LatticeSpec& spec, OnFold on_fold,
-                             const Context& context) const {
+bool LatticeNode::warn_of_folds(const LatticeSpec& spec, OnFold on_fold,
+                                const Context& context) const {
     const auto t = worst([](const BuiltLattice& built) { return built.folds.cells; });
     const auto& folds = built_[t].folds;
     if (folds.cells == 0) return false;
@@ -114,27 +114,29 @@ bool LatticeNode::tell_folds(const LatticeSpec& spec, OnFold on_fold,
                   spec.around ? "radius" : "extent_u")
             : fmt::format("reduce {}, or smooth the rig more",
                           spec.around ? "'radius'" : "the extents on the inner side of the bend");
-    tell(on_fold, context,
-         fmt::format("{} cells are folded{}, most of them ({}) between planes {} and {}: {}",
-                     folds.cells, in_frame(context, t), folds.in_plane, folds.plane,
-                     (folds.plane + 1) % lattice.shape[2], remedy));
+    warn_or_fail(
+        on_fold, context,
+        fmt::format("{} cells are folded{}, most of them ({}) between planes {} and {}: {}",
+                    folds.cells, in_frame(context, t), folds.in_plane, folds.plane,
+                    (folds.plane + 1) % lattice.shape[2], remedy));
     return true;
 }
 
-void LatticeNode::tell_overlap(const LatticeSpec& spec, OnFold on_fold,
-                               const Context& context) const {
+void LatticeNode::warn_of_overlap(const LatticeSpec& spec, OnFold on_fold,
+                                  const Context& context) const {
     const auto most = std::ranges::max_element(
         overlaps_, [](const Overlap& a, const Overlap& b) { return a.voxels < b.voxels; });
     if (most->voxels == 0) return;
     const auto t = static_cast<std::size_t>(most - overlaps_.begin());
-    tell(on_fold, context,
-         fmt::format("{} voxels, as large as the spacing, lie in several cells{}, most of them "
-                     "between planes {} and {}, since the lattice overlaps "
-                     "itself; each is carved only in the cell of the lowest plane: reduce {}, or "
-                     "keep the parts of the rig further apart",
-                     most->voxels, in_frame(context, t), most->plane,
-                     (most->plane + 1) % built_[t].lattice.shape[2],
-                     spec.around ? "'radius'" : "the extents"));
+    warn_or_fail(
+        on_fold, context,
+        fmt::format("{} voxels, as large as the spacing, lie in several cells{}, most of them "
+                    "between planes {} and {}, since the lattice overlaps "
+                    "itself; each is carved only in the cell of the lowest plane: reduce {}, or "
+                    "keep the parts of the rig further apart",
+                    most->voxels, in_frame(context, t), most->plane,
+                    (most->plane + 1) % built_[t].lattice.shape[2],
+                    spec.around ? "'radius'" : "the extents"));
 }
 
 void LatticeNode::report(const Context& context) const {

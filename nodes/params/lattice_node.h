@@ -64,10 +64,10 @@ private:
     void count_overlaps(const Context& context);
     /// Warns of smoothing only if it moved the rig by half a spacing or more: the corners of a
     /// polyline are always rounded.
-    void tell_smoothing(const LatticeSpec& spec, const Context& context) const;
+    void warn_of_smoothing(const LatticeSpec& spec, const Context& context) const;
     /// @return whether any cell is folded
-    bool tell_folds(const LatticeSpec& spec, OnFold on_fold, const Context& context) const;
-    void tell_overlap(const LatticeSpec& spec, OnFold on_fold, const Context& context) const;
+    bool warn_of_folds(const LatticeSpec& spec, OnFold on_fold, const Context& context) const;
+    void warn_of_overlap(const LatticeSpec& spec, OnFold on_fold, const Context& context) const;
     void report(const Context& context) const;
 
     std::vector<Ref<Rig>> rigs_;       ///< one if it does not move

@@ -26,7 +26,7 @@ void RemapNode::foresee_frames(const Params& params, const std::string& idle, Ou
         ahead.fault(
             "has a source that is the same in all frames: there are no frames to take out or to "
             "repeat; leave this node out");
-    if (ahead.told("seams").size() > 1)
+    if (ahead.receives("seams").size() > 1)
         ahead.fault(
             "takes seams of frames (`axis: t`) alone: carve them by a node of their own, and "
             "its result by the others");

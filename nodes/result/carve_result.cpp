@@ -338,7 +338,7 @@ Json compared(const Volume& before, const Volume& after) {
     return out;
 }
 
-void tell_result(const Json& frames, Context& context) {
+void report_result(const Json& frames, Context& context) {
     const auto grids = over_frames(frames, context.frames());
     Json entry = Json::object();
     for (const auto& [name, grid] : grids) {

@@ -24,6 +24,6 @@ nlohmann::ordered_json compared(const Volume& before, const Volume& after);
 /// or more. The source is the end of the content that stands still over the sequence while the
 /// other end moves.
 /// @param frames  entries of compared() by frame number, or a single one of any other name
-void tell_result(const nlohmann::ordered_json& frames, Context& context);
+void report_result(const nlohmann::ordered_json& frames, Context& context);
 
 }  // namespace fluidcarve

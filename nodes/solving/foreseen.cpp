@@ -55,41 +55,42 @@ int value_of(const OutputFacts& facts, const char* name) {
 
 }  // namespace
 
-void tell_form(const LatticeForm& form, Outlook& ahead) {
+void deliver_form(const LatticeForm& form, Outlook& ahead) {
     OutputFacts out{{closed_fact, form.closed}, {around_fact, form.around}};
     for (std::size_t n = 0; n < 3; ++n) out[axis_facts[n]] = form.shape[n];
-    ahead.tell(out);
+    ahead.delivers(out);
 }
 
-LatticeForm form_told(const Outlook& ahead) {
+LatticeForm received_form(const Outlook& ahead) {
     LatticeForm out;
-    const auto& told = ahead.told("lattice");
-    if (told.empty()) return out;
-    for (std::size_t n = 0; n < 3; ++n) out.shape[n] = value_of(told.front(), axis_facts[n]);
-    out.closed = value_of(told.front(), closed_fact) != 0;
-    out.around = value_of(told.front(), around_fact) != 0;
+    const auto& received = ahead.receives("lattice");
+    if (received.empty()) return out;
+    for (std::size_t n = 0; n < 3; ++n) out.shape[n] = value_of(received.front(), axis_facts[n]);
+    out.closed = value_of(received.front(), closed_fact) != 0;
+    out.around = value_of(received.front(), around_fact) != 0;
     return out;
 }
 
-void tell_warp(bool still, Outlook& ahead) {
-    ahead.tell({{warp_fact, 1}, {moves_fact, still ? 0 : 1}});
+void deliver_warp(bool still, Outlook& ahead) {
+    ahead.delivers({{warp_fact, 1}, {moves_fact, still ? 0 : 1}});
 }
 
-bool warp_told(const Outlook& ahead) {
-    return std::ranges::any_of(ahead.told("seams"), [](const OutputFacts& facts) {
+bool receives_warp(const Outlook& ahead) {
+    return std::ranges::any_of(ahead.receives("seams"), [](const OutputFacts& facts) {
         return value_of(facts, warp_fact) != 0;
     });
 }
 
 void foresee_part(const Auto<Count>& count, Outlook& ahead) {
-    const auto& told = ahead.told("seams");
-    if (count && count->value != 0 && !told.empty() && value_of(told.back(), warp_fact) != 0)
+    const auto& received = ahead.receives("seams");
+    if (count && count->value != 0 && !received.empty() &&
+        value_of(received.back(), warp_fact) != 0)
         ahead.fault(part_of_warp);
 }
 
 void foresee_carve(const Auto<Count>& count, Outlook& ahead) {
     foresee_part(count, ahead);
-    const bool moves = std::ranges::any_of(ahead.told("seams"), [](const OutputFacts& facts) {
+    const bool moves = std::ranges::any_of(ahead.receives("seams"), [](const OutputFacts& facts) {
         return value_of(facts, moves_fact) != 0;
     });
     if (moves && ahead.once())

@@ -11,15 +11,15 @@ namespace fluidcarve {
 /// as far as the headers of files tell.
 void warn_of_placement(Outlook& ahead);
 
-/// Tells the form of the lattice that a node builds.
-void tell_form(const LatticeForm& form, Outlook& ahead);
-/// The form of the input `lattice`, as told by tell_form().
-LatticeForm form_told(const Outlook& ahead);
+/// States the form of the lattice that a node builds.
+void deliver_form(const LatticeForm& form, Outlook& ahead);
+/// The form of the input `lattice`, as deliver_form() stated it.
+LatticeForm received_form(const Outlook& ahead);
 
-/// Tells that a node finds a warp. @param still  whether the warp is the same in all frames
-void tell_warp(bool still, Outlook& ahead);
-/// Whether tell_warp() was called for any input `seams`.
-bool warp_told(const Outlook& ahead);
+/// States that a node finds a warp. @param still  whether the warp is the same in all frames
+void deliver_warp(bool still, Outlook& ahead);
+/// Whether any input `seams` is a warp, as deliver_warp() stated it.
+bool receives_warp(const Outlook& ahead);
 /// Adds the fault that a node can't carve a part of a warp. @param count  the node's parameter
 void foresee_part(const Auto<Count>& count, Outlook& ahead);
 /// The same, and adds a fault if a source is carved once for all frames by a warp that is not

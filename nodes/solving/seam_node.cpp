@@ -29,12 +29,12 @@ std::string half_size_note(const CarvedSpace& space) {
 void SeamNode::foresee(const Params& params, Outlook& ahead) {
     if (params.count.value == 0) return;
     warn_of_placement(ahead);
-    auto form = form_told(ahead);
+    auto form = received_form(ahead);
     form.frames = static_cast<int>(ahead.frames());
     const bool known = params.axis == Axis::t || form.shape[dimension(params.axis)] > 0;
-    if (!known || !ahead.told("after").empty()) return;
+    if (!known || !ahead.receives("after").empty()) return;
     try {
-        task_of(params_for(params, !ahead.told("field").empty(), ahead.frames()), form, false);
+        task_of(params_for(params, !ahead.receives("field").empty(), ahead.frames()), form, false);
     } catch (const Failure& failure) {
         ahead.fault(failure.what());
     }

@@ -132,22 +132,22 @@ public:
         return out;
     }
 
-    using Regions = std::map<std::string, Region, std::less<>>;                 ///< by input
-    using Told = std::map<std::string, std::vector<OutputFacts>, std::less<>>;  ///< by input
+    using Regions = std::map<std::string, Region, std::less<>>;                     ///< by input
+    using Received = std::map<std::string, std::vector<OutputFacts>, std::less<>>;  ///< by input
     struct Ahead : Outlook {
         const Regions& inputs;
-        const Told& known;
+        const Received& known;
         bool runs_once;
         std::optional<Region> outputs;
         OutputFacts facts;
         std::vector<std::string> warnings, faults;
-        Ahead(const Regions& inputs, const Told& known, bool once)
+        Ahead(const Regions& inputs, const Received& known, bool once)
             : inputs(inputs), known(known), runs_once(once) {}
         const Region* region(std::string_view input) const override {
             const auto found = inputs.find(input);
             return found == inputs.end() ? nullptr : &found->second;
         }
-        const std::vector<OutputFacts>& told(std::string_view input) const override {
+        const std::vector<OutputFacts>& receives(std::string_view input) const override {
             static const std::vector<OutputFacts> none;
             const auto found = known.find(input);
             return found == known.end() ? none : found->second;
@@ -155,13 +155,14 @@ public:
         bool once() const override { return runs_once; }
         std::size_t frames() const override { return 1; }
         void lies(const Region& region) override { outputs = region; }
-        void tell(const OutputFacts& told) override { facts = told; }
+        void delivers(const OutputFacts& stated) override { facts = stated; }
         void warn(const std::string& message) override { warnings.push_back(message); }
         void fault(const std::string& message) override { faults.push_back(message); }
     };
     /// What a node foresees if its inputs lie there. @param inputs  those that are known
-    Ahead foresee(const Regions& inputs = {}, const Told& told = {}, bool once = false) const {
-        Ahead out(inputs, told, once);
+    Ahead foresee(const Regions& inputs = {}, const Received& received = {},
+                  bool once = false) const {
+        Ahead out(inputs, received, once);
         type_.foresee(params_.get(), out);
         return out;
     }
