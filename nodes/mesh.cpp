@@ -1,6 +1,6 @@
 #include "nodes/mesh.h"
 
-#include "formats/geometry_file/usda.h"
+#include "carve/base/words.h"
 #include "formats/mesh_file/mesh_file.h"
 #include "formats/mesh_file/topology.h"
 #include "formats/mesh_file/usda.h"
@@ -77,7 +77,7 @@ struct MeshWrite {
     };
 
     static void check(const Params& params, NodeCheck& check) {
-        if (names_usda(params.path.text())) return;
+        if (ending_of(params.path.text()) == ".usda") return;
         if (const auto fault = ending_fault(params.path.text()); !fault.empty())
             check.fault("path", fault + "; for USD, write a .usda file");
     }
@@ -88,7 +88,7 @@ struct MeshWrite {
         const auto path = params.path.at(context.frame());
         const auto frame = params.path.per_frame() ? std::optional(context.frame()) : std::nullopt;
         const auto provenance = context.provenance();
-        const auto losses = names_usda(path)
+        const auto losses = ending_of(path) == ".usda"
                                 ? write_mesh_usda(path, *io.source, stated, frame, provenance)
                                 : write_mesh(path, *io.source, stated, provenance);
         for (const auto& loss : losses) context.warn(loss);

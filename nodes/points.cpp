@@ -1,9 +1,9 @@
 #include "nodes/points.h"
 
+#include "carve/base/words.h"
 #include "carve/points/keep_out.h"
 #include "carve/points/points.h"
 #include "carve/volume/volume.h"
-#include "formats/geometry_file/usda.h"
 #include "formats/points_file/points_file.h"
 #include "formats/points_file/usda.h"
 #include "graph/types/node_type.h"
@@ -82,13 +82,13 @@ struct PointsRead {
 
     static void check(const Params& params, NodeCheck& check) {
         check_missing(params.path, params.missing, check);
-        if (names_ply(params.path.text()) && check.stated("offset"))
+        if (ending_of(params.path.text()) == ".ply" && check.stated("offset"))
             check.fault("offset", "is for VDB files; a PLY file has its points where they are");
     }
 
     static void survey(const Params& params, Survey& survey) {
         survey_files(params.path, params.missing, survey,
-                     [&](int, int file) { look_at_points(params.path.at(file), params.grid); });
+                     [&](int, int file) { probe_points(params.path.at(file), params.grid); });
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
@@ -148,7 +148,8 @@ struct PointsWrite {
     };
 
     static void check(const Params& params, NodeCheck& check) {
-        const bool ply = names_ply(params.path.text()), usda = names_usda(params.path.text());
+        const auto ending = ending_of(params.path.text());
+        const bool ply = ending == ".ply", usda = ending == ".usda";
         if ((ply || usda) && check.connections("beside") > 0)
             check.fault(
                 "beside",
@@ -165,34 +166,34 @@ struct PointsWrite {
         const auto path = params.path.at(context.frame());
         const auto placement = stated_placement(params);
         const auto* const stated = placement ? &*placement : nullptr;
-        if (names_usda(path)) {
+        if (ending_of(path) == ".usda") {
             const auto frame =
                 params.path.per_frame() ? std::optional(context.frame()) : std::nullopt;
-            const auto unsaid = write_points_usda(
+            const auto losses = write_points_usda(
                 path, *io.source, {stated, params.width, frame, context.provenance()});
-            for (const auto& name : unsaid.attributes)
+            for (const auto& name : losses.attributes)
                 context.warn(fmt::format(
                     "attribute '{}' is left out: it can't go to USD; write a .vdb to keep it",
                     name));
-            if (unsaid.width)
+            if (losses.width)
                 context.warn(
                     "the .usda file does not state how wide the points are, and they have no "
                     "voxels: state 'width'");
             return;
         }
-        const auto unsaid = write_points(path, *io.source, io.beside.get(),
+        const auto losses = write_points(path, *io.source, io.beside.get(),
                                          params.encoding ? &*params.encoding : nullptr, stated,
                                          context.provenance());
-        for (const auto& name : unsaid.attributes)
+        for (const auto& name : losses.attributes)
             context.warn(
                 fmt::format("attribute '{}' is of a type that PLY can't hold and is left out; "
                             "write a .vdb to keep it",
                             name));
-        if (!unsaid.offset.empty())
+        if (!losses.offset.empty())
             context.warn(fmt::format(
                 "points.read needs 'offset: {}' for this file: without it, it reads the "
                 "points half a voxel off",
-                unsaid.offset));
+                losses.offset));
     }
 };
 

@@ -13,6 +13,7 @@
 #include "formats/seam_file/seam_file.h"
 #include "graph/types/node_type.h"
 #include "nodes/params/carve_inputs.h"
+#include "nodes/solving/foreseen.h"
 
 #include <algorithm>
 #include <array>

@@ -17,8 +17,6 @@ struct ChoiceNames<UsdStage::Up> {
 
 namespace {
 
-bool names_vdb(const std::string& path) { return ending_of(path) == ".vdb"; }
-
 struct UsdWrite {
     struct Params {
         OutputPath path;
@@ -34,7 +32,7 @@ struct UsdWrite {
     };
 
     static void check(const Params& params, NodeCheck& check) {
-        if (!names_usda(params.path.text()))
+        if (ending_of(params.path.text()) != ".usda")
             check.fault("path", fmt::format("writes a .usda file, not '{}'",
                                             ending_of(params.path.text())));
         if (params.files.empty())
@@ -47,6 +45,7 @@ struct UsdWrite {
                     fmt::format("needs the file of volume '{0}': name it in 'files: {{{0}: ...}}'",
                                 name));
         for (const auto& [name, file] : params.files) {
+            const auto ending = ending_of(file.text());
             const bool volume = std::ranges::find(volumes, name) != volumes.end();
             if (!is_usd_name(name))
                 check.fault(
@@ -54,14 +53,14 @@ struct UsdWrite {
                     fmt::format(
                         "can't name a prim '{}'; use letters, digits and _, and no digit first",
                         name));
-            if (!names_vdb(file.text()) && !names_usda(file.text()))
+            if (ending != ".vdb" && ending != ".usda")
                 check.fault("files", fmt::format("takes .vdb and .usda files, not {}; mesh.write "
                                                  "and points.write make .usda files, too",
                                                  file.text()));
-            else if (volume && !names_vdb(file.text()))
+            else if (volume && ending != ".vdb")
                 check.fault("files", fmt::format("needs the .vdb file of volume '{}', not {}", name,
                                                  file.text()));
-            else if (!volume && names_vdb(file.text()))
+            else if (!volume && ending == ".vdb")
                 check.fault("files", fmt::format("needs what {1} holds: connect what its writer "
                                                  "takes, as in 'volumes: {{{0}: NODE}}'",
                                                  name, file.text()));

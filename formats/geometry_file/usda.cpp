@@ -1,6 +1,5 @@
 #include "formats/geometry_file/usda.h"
 
-#include "carve/base/words.h"
 #include "formats/file/output_file.h"
 #include "formats/geometry_file/provenance_comments.h"
 
@@ -49,8 +48,6 @@ std::string element_type(NumberType number, std::size_t parts) {
 }
 
 }  // namespace
-
-bool names_usda(const std::string& path) { return ending_of(path) == ".usda"; }
 
 bool is_usd_name(std::string_view text) {
     return !text.empty() && is_letter(text.front()) &&

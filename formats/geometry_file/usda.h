@@ -18,9 +18,6 @@ namespace fluidcarve {
 /// Name of the one prim in the .usda file of a mesh or of points.
 inline constexpr std::string_view usd_geometry = "geometry";
 
-/// Whether a path has the extension .usda, upper or lower case.
-bool names_usda(const std::string& path);
-
 /// Whether a text can name a prim or a property: ASCII letters, digits and `_`, no digit first.
 bool is_usd_name(std::string_view text);
 

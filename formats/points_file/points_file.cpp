@@ -117,7 +117,7 @@ Points read_points(const std::string& path, const std::string& grid, PointOffset
     return out;
 }
 
-void look_at_points(const std::string& path, const std::string& grid) {
+void probe_points(const std::string& path, const std::string& grid) {
     if (is_ply(path)) {
         require_no_name(path, grid);
         read_ply_header(path);
@@ -126,13 +126,11 @@ void look_at_points(const std::string& path, const std::string& grid) {
     }
 }
 
-bool names_ply(const std::string& path) { return ending_of(path) == ".ply"; }
-
-Unsaid write_points(const std::string& path, const Points& points, const Volume* beside,
-                    const NumberForm* encoding, const Placement* placement,
-                    const Provenance& provenance) {
-    Unsaid out;
-    if (!names_ply(path)) {
+PointLosses write_points(const std::string& path, const Points& points, const Volume* beside,
+                         const NumberForm* encoding, const Placement* placement,
+                         const Provenance& provenance) {
+    PointLosses out;
+    if (ending_of(path) != ".ply") {
         const auto grid = in_grid(points);
         auto volume = together(points, grid, beside);
         set_provenance(volume.metadata, provenance);

@@ -3,9 +3,9 @@
 #include "carve/points/points.h"
 #include "carve/volume/volume.h"
 #include "formats/file/provenance.h"
+#include "formats/points_file/point_losses.h"
 
 #include <string>
-#include <vector>
 
 namespace fluidcarve {
 
@@ -25,14 +25,7 @@ Points read_points(const std::string& path, const std::string& grid, PointOffset
 
 /// Checks without reading the points that a file is complete and holds points.
 /// @throws Failure (input) as read_points, except for faults of the points themselves
-void look_at_points(const std::string& path, const std::string& grid);
-
-/// Information that a written file does not hold.
-struct Unsaid {
-    /// Names of attributes that PLY can't hold; they were not written.
-    std::vector<std::string> attributes;
-    std::string offset;  ///< the `offset` that points.read needs for this file; empty: none
-};
+void probe_points(const std::string& path, const std::string& grid);
 
 /// Writes a PLY file if the path ends in .ply, else a VDB file. Undoes the placement; in a PLY file
 /// the half-voxel offset stays, since PLY has no voxels. The file appears whole or not at all.
@@ -44,11 +37,8 @@ struct Unsaid {
 /// @param provenance  what the file states of how it was made
 /// @throws Failure if the file can't be written, or if several point grids of `beside` have the
 ///   points' name
-Unsaid write_points(const std::string& path, const Points& points, const Volume* beside,
-                    const NumberForm* encoding, const Placement* placement,
-                    const Provenance& provenance = {});
-
-/// Whether a path has the extension .ply, upper or lower case.
-bool names_ply(const std::string& path);
+PointLosses write_points(const std::string& path, const Points& points, const Volume* beside,
+                         const NumberForm* encoding, const Placement* placement,
+                         const Provenance& provenance = {});
 
 }  // namespace fluidcarve

@@ -75,12 +75,12 @@ bool put_as_own(UsdGeometry& out, const PointTable& points, const UsdAttribute& 
 
 }  // namespace
 
-UsdPointsUnsaid write_points_usda(const std::string& path, const Points& points,
-                                  const UsdPointsRequest& request) {
-    UsdPointsUnsaid unsaid;
+PointLosses write_points_usda(const std::string& path, const Points& points,
+                              const UsdPointsRequest& request) {
+    PointLosses losses;
     UsdGeometry out("Points", request.frame);
     out.add_positions(points.positions(), request.placement);
-    const auto columns = points.ply ? *points.ply : ply_of(*points.grid, unsaid.attributes);
+    const auto columns = points.ply ? *points.ply : ply_of(*points.grid, losses.attributes);
     const auto put_width = [&](double width) { out.add({"float", "widths", "constant"}, {width}); };
     if (request.width) put_width(*request.width);
     for (const auto& attribute : attributes_of(columns)) {
@@ -88,13 +88,13 @@ UsdPointsUnsaid write_points_usda(const std::string& path, const Points& points,
         if (!put_as_own(out, columns, attribute) &&
             !out.add_primvar(attribute.name, "vertex", attribute.parts, type,
                              values_of(columns, attribute)))
-            unsaid.attributes.push_back(attribute.name);
+            losses.attributes.push_back(attribute.name);
     }
     const double unit = request.placement ? request.placement->scale : 1;
     if (!out.has("widths") && points.grid) put_width(points.grid->voxelSize().x() / 2 / unit);
-    unsaid.width = !out.has("widths");
+    losses.width = !out.has("widths");
     write_usda(path, out.text(), request.provenance);
-    return unsaid;
+    return losses;
 }
 
 }  // namespace fluidcarve

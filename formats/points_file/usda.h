@@ -2,10 +2,10 @@
 
 #include "carve/points/points.h"
 #include "formats/file/provenance.h"
+#include "formats/points_file/point_losses.h"
 
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace fluidcarve {
 
@@ -18,17 +18,11 @@ struct UsdPointsRequest {
     Provenance provenance;
 };
 
-/// What a written .usda file does not hold.
-struct UsdPointsUnsaid {
-    std::vector<std::string> attributes;  ///< names of attributes that were not written
-    bool width = false;                   ///< true: the width of the points
-};
-
 /// Writes points as a .usda file with one UsdGeomPoints. Positions are those of the shot's world.
 /// Normals, colours, an `id` and a `velocity` (`v`) become USD's own attributes, other attributes
 /// primvars. The file appears whole or not at all.
 /// @throws Failure if the file can't be written
-UsdPointsUnsaid write_points_usda(const std::string& path, const Points& points,
-                                  const UsdPointsRequest& request);
+PointLosses write_points_usda(const std::string& path, const Points& points,
+                              const UsdPointsRequest& request);
 
 }  // namespace fluidcarve

@@ -150,7 +150,7 @@ std::vector<PartDifference> compare_geometry(const FilePair& files, const Tolera
         return {compare_positions("curve", "points", read_curve(files.a), read_curve(files.b),
                                   tolerance)};
     const auto points = [](const std::string& path) {
-        return names_ply(path) && holds_points(path);
+        return ending_of(path) == ".ply" && holds_points(path);
     };
     if (!points(files.a) || !points(files.b)) return compare_meshes(files, tolerance);
     const auto positions = [](const std::string& path) {

@@ -69,7 +69,7 @@ Json curve_json(const std::string& path) {
 
 Json look_at_geometry(const std::string& path) {
     if (ending_of(path) == ".csv") return curve_json(path);
-    if (names_ply(path) && holds_points(path)) return points_json(path);
+    if (ending_of(path) == ".ply" && holds_points(path)) return points_json(path);
     const auto file = read_mesh(path);
     if (file.mesh.faces() > 0 || ending_of(path) != ".obj") return mesh_json(path, file);
     try {

@@ -270,7 +270,7 @@ TEST_CASE("points are read from a regular file, and nothing keeps them waiting")
     for (const auto& path : {pipe, scratch / "zero.ply"}) {
         CHECK(refusal(path) ==
               "FILE is a pipe or a device; a file of points is read from a regular file");
-        CHECK(failure_of([&] { look_at_points(path, ""); }) ==
+        CHECK(failure_of([&] { probe_points(path, ""); }) ==
               path + " is a pipe or a device; a file of points is read from a regular file");
     }
     CHECK(refusal(scratch.path()) == "FILE is not a file");

@@ -23,9 +23,9 @@ UsdaPrim prim_of(const std::string& path) {
 TEST_CASE("points go to USD with velocities and primvars") {
     const Scratch scratch;
     const auto points = read(scratch.write("in.ply", typical_ascii));
-    const auto unsaid = write_points_usda(scratch / "a.usda", points, {});
-    CHECK(unsaid.attributes.empty());
-    CHECK(unsaid.width);
+    const auto losses = write_points_usda(scratch / "a.usda", points, {});
+    CHECK(losses.attributes.empty());
+    CHECK(losses.width);
     const auto prim = prim_of(scratch / "a.usda");
     const auto& of = prim.properties;
     CHECK(prim.type == "Points");
