@@ -97,14 +97,15 @@ std::uint64_t Report::most_bytes(std::size_t n) const {
     return stats_[n].most_bytes;
 }
 
-std::optional<Gathering> Report::gathering(std::size_t n) const {
+std::optional<GatheringProgress> Report::gathering(std::size_t n) const {
     const std::lock_guard lock(mutex_);
     if (n >= loads_.size() || !pipeline_.nodes[n].streams_in() || loads_[n].only_digests ||
         stats_[n].finished)
         return std::nullopt;
     const auto needed = loads_[n].consumed_inputs + loads_[n].consumed_digests;
     if (needed == 0) return std::nullopt;
-    return Gathering{stats_[n].gathered.size(), needed, stats_[n].items, stats_[n].of_items};
+    return GatheringProgress{stats_[n].gathered.size(), needed, stats_[n].items,
+                             stats_[n].of_items};
 }
 
 std::vector<std::size_t> Report::done() const {

@@ -33,7 +33,7 @@ inline Fault fault_in(const Node& node, std::optional<int> frame, std::string me
 std::string to_text(const Fault& fault);
 
 /// Progress of a node that gathers frames and has not finished.
-struct Gathering {
+struct GatheringProgress {
     std::size_t frames = 0, of_frames = 0;  ///< frames that it has taken, and that it needs
     std::size_t items = 0, of_items = 0;    ///< kept items of its growing result (Growth), and the
                                             ///< wanted number; 0 of 0: unknown
@@ -76,7 +76,7 @@ public:
     /// Per node: number of frames that are cached or already computed.
     std::vector<std::size_t> done() const;
     /// Progress of a node; nothing if it gathers nothing in this run, or has finished.
-    std::optional<Gathering> gathering(std::size_t node) const;
+    std::optional<GatheringProgress> gathering(std::size_t node) const;
 
     std::vector<Fault> faults() const;  ///< sorted by frame, then by the pipeline's order of nodes
     std::vector<std::string> warnings() const;
