@@ -195,19 +195,19 @@ bool NodeCalls::consume_now(BodyHost& host, const FrameRun& frame) {
     });
 }
 
-bool NodeCalls::consume(std::size_t n, FrameRun& frame, const Wiring& wiring, bool all) {
+bool NodeCalls::consume(std::size_t n, FrameRun& frame, const Wiring& wiring, bool finishes) {
     bool good = true;
     if (const auto how = frame.scheduled.consumes[n]; how != Consume::none) {
         good = !setup_.cancelled() && !frame.failed[n] &&
                (how == Consume::digest || !wiring.failed_before(n, frame));
         BodyHost host(setup_, provenance_, n);
-        if (good && all) good = consume_now(host, frame);
+        if (good && finishes) good = consume_now(host, frame);
         if (!behaviours_[n].digest) {
             setup_.events.body_ended(Work::consume, n, frame.place, host.seconds(), 0);
             setup_.events.call_ended(Work::consume, n, host.span, frame_number(frame.place),
-                                     good && all);
+                                     good && finishes);
         }
-        if (good && all) {
+        if (good && finishes) {
             setup_.events.gathered(n, frame.place);
             ++gathered_[n];
         }

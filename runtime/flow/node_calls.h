@@ -29,9 +29,9 @@ public:
     /// in the frame.
     void digest(std::size_t n, FrameRun& frame, const Wiring& wiring);
     /// Has a gathering node consume one frame. To be called in the order of frames.
-    /// @param all  whether the node will finish
+    /// @param finishes  whether the node will finish
     /// @return false if the frame failed
-    bool consume(std::size_t n, FrameRun& frame, const Wiring& wiring, bool all);
+    bool consume(std::size_t n, FrameRun& frame, const Wiring& wiring, bool finishes);
     /// Finishes a node that has gathered all frames.
     void finish(std::size_t n);
     /// Runs a node once.
