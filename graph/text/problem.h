@@ -26,8 +26,8 @@ struct Mark {
     auto operator<=>(const Mark&) const = default;
 };
 
-/// A fault in the user's text. All problems are found before any data is opened, and reported
-/// together.
+/// Something wrong in the user's text. All problems are found before any data is opened, and
+/// reported together.
 struct Problem {
     Mark at;
     std::string message;  ///< what is wrong and, if known, the remedy

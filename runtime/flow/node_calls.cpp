@@ -68,7 +68,7 @@ bool NodeCalls::guarded(std::size_t n, std::optional<int> frame, const char* wha
 
 void NodeCalls::fail(std::size_t n, std::optional<int> frame, const std::string& message,
                      Failure::Kind kind) {
-    setup_.events.failed(fault_in(node(n), frame, message, kind));
+    setup_.events.failed(failure_in(node(n), frame, message, kind));
     failed_ = true;
 }
 

@@ -15,8 +15,8 @@
 namespace fluidcarve {
 
 /// Calls the bodies of nodes, one by one, and loads and keeps their results. What a body throws
-/// becomes a Fault: an exception that escaped would cancel a whole flow graph. Calls for frames may
-/// come from many threads at once, calls for nodes that run once from one.
+/// becomes a NodeFailure: an exception that escaped would cancel a whole flow graph. Calls for
+/// frames may come from many threads at once, calls for nodes that run once from one.
 class NodeCalls {
 public:
     /// @param setup  must outlive it

@@ -83,7 +83,7 @@ public:
                   const nlohmann::ordered_json& entry) {
         report_.entry(node, section, entry);
     }
-    void failed(const Fault& fault) { report_.failed(fault); }
+    void failed(const NodeFailure& failure) { report_.failed(failure); }
 
 private:
     /// Steps of the progress display; nothing: the run does no such work.

@@ -163,9 +163,9 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
     const Preparation prepared(pipeline, registry, uncached, report);
     if (!request.quiet)
         for (const auto& warning : report.warnings()) tell("warning: " + warning);
-    const auto faults = prepared.input_faults(false);
-    for (const auto& fault : faults) tell("failed: " + to_text(fault));
-    if (!faults.empty()) return std::nullopt;
+    const auto failures = prepared.input_failures(false);
+    for (const auto& failure : failures) tell("failed: " + to_text(failure));
+    if (!failures.empty()) return std::nullopt;
 
     const History history(request.options.work_folder, pipeline.name);
     const auto steps = steps_of(pipeline, registry, prepared, history, request.options);

@@ -23,9 +23,9 @@ struct FarmCommand {
 };
 
 /// Makes a job of a run: its steps, cut into tasks. Checks the inputs as `plan` does, and prints
-/// their faults.
+/// what fails.
 /// @param request  its work folder is absolute
-/// @return nothing if there are faults
+/// @return nothing if an input fails
 std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& registry,
                                  const RunRequest& request, const FarmChunking& chunking,
                                  const FarmCommand& command);

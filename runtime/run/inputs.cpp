@@ -84,13 +84,13 @@ std::optional<FrameSet> frames_needed(const Pipeline& pipeline, const Plan& plan
                                                                              : std::nullopt;
 }
 
-/// Adds the faults of missing files that a survey found.
-void add_missing(const Node& node, const SurveyOf& of, std::vector<Fault>& out) {
+/// Adds the failures of missing files that a survey found.
+void add_missing(const Node& node, const SurveyOf& of, std::vector<NodeFailure>& out) {
     for (const auto& [frame, message] : of.lost)
         if (of.needs(frame))
-            out.push_back(fault_in(node,
-                                   node.rate == Rate::fixed ? std::nullopt : std::optional(frame),
-                                   message, Failure::Kind::input));
+            out.push_back(failure_in(node,
+                                     node.rate == Rate::fixed ? std::nullopt : std::optional(frame),
+                                     message, Failure::Kind::input));
 }
 
 /// Passes the facts of readers through the pipeline, and lets the other nodes check them.
@@ -110,8 +110,8 @@ void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<
             const auto clash = facts.carry(n, frame);
             if (clash.empty()) continue;
             out.clashes.push_back(
-                fault_in(node, node.rate == Rate::fixed ? std::nullopt : std::optional(frame),
-                         clash, Failure::Kind::input));
+                failure_in(node, node.rate == Rate::fixed ? std::nullopt : std::optional(frame),
+                           clash, Failure::Kind::input));
             break;
         }
         if (!node.type->survey) continue;

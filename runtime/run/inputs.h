@@ -17,10 +17,10 @@ namespace fluidcarve {
 /// Facts of a run's readers about their files before the run, and the consequences for other
 /// nodes.
 struct Inputs {
-    Timelines timelines;         ///< the frames of each node, without those that readers leave out
-    std::vector<Fault> missing;  ///< files and grids that are missing or unreadable
+    Timelines timelines;  ///< the frames of each node, without those that readers leave out
+    std::vector<NodeFailure> missing;  ///< files and grids that are missing or unreadable
     /// Pictures of different sizes that meet in a node; bodies do not check this.
-    std::vector<Fault> clashes;
+    std::vector<NodeFailure> clashes;
     /// Per node: frame to the frame whose file it uses instead of its own.
     std::map<std::size_t, std::map<int, int>> stand_ins;
     /// Regions of outputs, as far as readers state them.

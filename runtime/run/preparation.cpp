@@ -81,8 +81,8 @@ void Preparation::each_file(const std::function<void(std::size_t node, std::size
     }
 }
 
-std::vector<Fault> Preparation::input_faults(bool keep_going) const {
-    std::vector<Fault> out;
+std::vector<NodeFailure> Preparation::input_failures(bool keep_going) const {
+    std::vector<NodeFailure> out;
     if (!keep_going) out = inputs_.missing;
     std::ranges::copy(inputs_.clashes, std::back_inserter(out));
     std::ranges::copy(unlike_manifest_, std::back_inserter(out));
@@ -91,9 +91,9 @@ std::vector<Fault> Preparation::input_faults(bool keep_going) const {
     while (!plan_.targets[first] && !plan_.digested[first]) ++first;
     const auto& node = pipeline_.nodes[first];
     out.push_back(
-        fault_in(node, std::nullopt,
-                 "no frame is left: every frame lacks a file of a reader with `missing: skip`",
-                 Failure::Kind::input));
+        failure_in(node, std::nullopt,
+                   "no frame is left: every frame lacks a file of a reader with `missing: skip`",
+                   Failure::Kind::input));
     return out;
 }
 
@@ -118,7 +118,7 @@ void Preparation::compare(Manifest& manifest) {
         } catch (const Failure& failure) {
             const auto frame =
                 node.rate == Rate::frame ? std::optional(frames()[place]) : std::nullopt;
-            unlike_manifest_.push_back(fault_in(node, frame, failure.what(), failure.kind));
+            unlike_manifest_.push_back(failure_in(node, frame, failure.what(), failure.kind));
         }
     });
 }

@@ -32,7 +32,7 @@ public:
     const std::vector<int>& frames() const { return inputs_.timelines.frames(); }
     /// Why the inputs let no run begin; empty: they do.
     /// @param keep_going  a missing file is no reason, since its reader fails at its frame
-    std::vector<Fault> input_faults(bool keep_going) const;
+    std::vector<NodeFailure> input_failures(bool keep_going) const;
     std::vector<int> delivered_frames() const;  ///< frame numbers
     /// Whether a gathering node takes the frame at a place.
     bool wants(std::size_t node, std::size_t place) const;
@@ -87,7 +87,7 @@ private:
     Store store_;
     std::vector<std::optional<GrownResult>> grown_;
     /// Files that differ from the manifest. Without the cache they are not compared here.
-    std::vector<Fault> unlike_manifest_;
+    std::vector<NodeFailure> unlike_manifest_;
 };
 
 }  // namespace fluidcarve

@@ -44,12 +44,12 @@ std::string lack_of(const Pipeline& pipeline, std::size_t n, const Plan& plan, c
     return {};
 }
 
-std::vector<Fault> missing_in(const Pipeline& pipeline, const Plan& plan,
-                              const std::vector<NodeLoad>& loads, const RunRequest& request) {
-    std::vector<Fault> out;
+std::vector<NodeFailure> missing_in(const Pipeline& pipeline, const Plan& plan,
+                                    const std::vector<NodeLoad>& loads, const RunRequest& request) {
+    std::vector<NodeFailure> out;
     for (std::size_t n = 0; n < loads.size(); ++n)
         if (const auto lack = lack_of(pipeline, n, plan, loads[n], request); !lack.empty())
-            out.push_back(fault_in(pipeline.nodes[n], std::nullopt, lack, Failure::Kind::input));
+            out.push_back(failure_in(pipeline.nodes[n], std::nullopt, lack, Failure::Kind::input));
     return out;
 }
 
@@ -87,8 +87,8 @@ Prerequisites wait_for_prerequisites(const Pipeline& pipeline, Preparation& prep
         out.loads = prepared.loads(out.schedule);
         out.missing = missing_in(pipeline, prepared.plan(), out.loads, request);
         if (const auto unread = prepared.cache().unread(); !unread.empty())
-            for (auto& fault : out.missing)
-                fault.message =
+            for (auto& failure : out.missing)
+                failure.message =
                     "nothing tells whether its results are in the work folder: " + unread;
         if (out.missing.empty() || cancelled() || Clock::now() >= end) return out;
         std::this_thread::sleep_for(between_looks);

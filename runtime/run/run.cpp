@@ -45,8 +45,8 @@ void try_outputs(const Pipeline& pipeline, const std::vector<NodeLoad>& loads, i
                 const OutputFile file(path.at(frame));
             } catch (const Failure& failure) {
                 report.failed(
-                    fault_in(node, node.rate == Rate::frame ? std::optional(frame) : std::nullopt,
-                             failure.what(), failure.kind));
+                    failure_in(node, node.rate == Rate::frame ? std::optional(frame) : std::nullopt,
+                               failure.what(), failure.kind));
             }
         }
     }
@@ -61,12 +61,12 @@ bool all_done(const Report& report, const std::vector<NodeLoad>& to_do) {
 }
 
 int exit_of(const Report& report, bool cancelled, bool stopped) {
-    const auto faults = report.faults();
+    const auto failures = report.failures();
     if (cancelled) return exit_code::interrupted;
-    if (faults.empty()) return exit_code::done;
+    if (failures.empty()) return exit_code::done;
     if (!stopped) return exit_code::some_frames_failed;
     const bool only_inputs = std::ranges::all_of(
-        faults, [](const Fault& fault) { return fault.kind == Failure::Kind::input; });
+        failures, [](const NodeFailure& failure) { return failure.kind == Failure::Kind::input; });
     return only_inputs ? exit_code::input : exit_code::node_failed;
 }
 
@@ -87,9 +87,9 @@ bool keeps_what_was_asked(const Pipeline& pipeline, Preparation& prepared,
         if (fault.empty()) fault = prepared.fault_of_contents();
         if (fault.empty())
             fault = "they are not in the work folder; does something clean it? Run again";
-        report.failed(fault_in(node, std::nullopt,
-                               "its results could not be kept for other runs: " + fault,
-                               Failure::Kind::data));
+        report.failed(failure_in(node, std::nullopt,
+                                 "its results could not be kept for other runs: " + fault,
+                                 Failure::Kind::data));
         return false;
     }
     return true;
@@ -142,7 +142,7 @@ void tell_of_cache(const Cache& cache, const Report& report) {
         tell(fmt::format("warning: {} damaged {} in the work folder {} computed again",
                          cache.damaged(), cache.damaged() == 1 ? "result" : "results",
                          cache.damaged() == 1 ? "was" : "were"));
-    if (!report.faults().empty()) return;
+    if (!report.failures().empty()) return;
     if (cache.fault().empty()) tell_of_unread(cache);
     else tell(fmt::format("warning: results could not be kept for other runs: {}", cache.fault()));
 }
@@ -156,9 +156,9 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     Preparation prepared(pipeline, registry, request, report);
     if (!request.quiet)
         for (const auto& warning : report.warnings()) tell("warning: " + warning);
-    for (const auto& fault : prepared.input_faults(false)) report.failed(fault);
-    for (const auto& fault : report.faults()) tell("failed: " + to_text(fault));
-    if (!report.faults().empty()) return exit_code::input;
+    for (const auto& failure : prepared.input_failures(false)) report.failed(failure);
+    for (const auto& failure : report.failures()) tell("failed: " + to_text(failure));
+    if (!report.failures().empty()) return exit_code::input;
     const auto schedule = prepared.schedule();
     const auto to_do = prepared.loads(schedule);
     if (!request.quiet) tell_of_unread(prepared.cache());
@@ -200,9 +200,9 @@ public:
         Preparation prepared(pipeline_, registry_, request_, *report_,
                              manifest_ ? &*manifest_ : nullptr);
         warn(prepared);
-        for (const auto& fault : prepared.input_faults(request_.options.keep_going))
-            report_->failed(fault);
-        if (report_->faults().empty()) deliver(prepared);
+        for (const auto& failure : prepared.input_failures(request_.options.keep_going))
+            report_->failed(failure);
+        if (report_->failures().empty()) deliver(prepared);
         return end(prepared);
     }
 
@@ -249,7 +249,7 @@ private:
     void deliver(Preparation& prepared) {
         auto [schedule, to_do, absent] =
             wait_for_prerequisites(pipeline_, prepared, request_, cancelled_);
-        for (auto& fault : absent) report_->failed(std::move(fault));
+        for (auto& failure : absent) report_->failed(std::move(failure));
         prepared.repeat_logs(schedule, *report_);
         // repeat_logs found a damaged entry: its result must be computed again.
         if (prepared.cache().damaged() > 0) {
@@ -261,10 +261,10 @@ private:
             make_forecast(pipeline_, prepared, schedule, to_do, history, request_.options);
         if (request_.verbose)
             std::fputs((to_text(forecast) + to_text(file_places(pipeline_))).c_str(), stderr);
-        if (report_->faults().empty() && !request_.options.keep_going)
+        if (report_->failures().empty() && !request_.options.keep_going)
             try_outputs(pipeline_, to_do, delivered(prepared).front(), *report_);
         report_->expect(to_do);
-        if (!report_->faults().empty()) return;
+        if (!report_->failures().empty()) return;
         remember(pipeline_, prepared, to_do, history);
         idle_ = nothing_to_do(to_do);
         written_ = written_paths(pipeline_, to_do);
@@ -274,7 +274,7 @@ private:
         stopped_ = execute(prepared, schedule, costs);
         whole_ = all_done(*report_, to_do);
         prepared.cache().finish();
-        if (report_->faults().empty() && (whole_ || !cancelled_()) &&
+        if (report_->failures().empty() && (whole_ || !cancelled_()) &&
             !keeps_what_was_asked(pipeline_, prepared, request_, *report_))
             stopped_ = true;
         status.end(code());
@@ -314,11 +314,11 @@ private:
                 lost = flow.lost();
             });
             if (!lost || cancelled_() ||
-                (!request_.options.keep_going && !report_->faults().empty()))
+                (!request_.options.keep_going && !report_->failures().empty()))
                 return stopped;
             if (attempt == most_attempts) {
                 const auto& node = pipeline_.nodes.front();
-                report_->failed(fault_in(
+                report_->failed(failure_in(
                     node, std::nullopt,
                     fmt::format("results keep disappearing from the work folder '{}'; does "
                                 "something clean it? --no-cache runs without it",

@@ -38,17 +38,17 @@ void tell_outcome(const Report& report, const RunRequest& request,
                   const nlohmann::ordered_json& summary, const std::vector<std::string>& told,
                   const std::string& done) {
     constexpr std::size_t most = 20;
-    const auto faults = report.faults();
-    for (std::size_t n = 0; n < std::min(most, faults.size()); ++n)
-        tell("failed: " + to_text(faults[n]));
-    if (faults.size() > most)
+    const auto failures = report.failures();
+    for (std::size_t n = 0; n < std::min(most, failures.size()); ++n)
+        tell("failed: " + to_text(failures[n]));
+    if (failures.size() > most)
         tell(fmt::format("... and {} more; --report FILE.json lists them all",
-                         faults.size() - most));
+                         failures.size() - most));
     if (request.quiet) return;
     for (const auto& warning : report.warnings())
         if (std::ranges::find(told, warning) == told.end()) tell("warning: " + warning);
     for (const auto& line : report.lines()) tell(line);
-    if (faults.empty() && summary["exit"] == exit_code::done) tell(done);
+    if (failures.empty() && summary["exit"] == exit_code::done) tell(done);
     if (summary["exit"] == exit_code::interrupted) tell(interrupted_text(request.options.cache));
     if (request.verbose)
         for (const auto& [name, node] : summary["nodes"].items())

@@ -86,7 +86,7 @@ void write_status(const std::string& path, const Json& about) {
 /// The failures as lines of text.
 Json faults_of(const Report& report) {
     auto out = Json::array();
-    for (const auto& fault : report.faults()) out.push_back(to_text(fault));
+    for (const auto& failure : report.failures()) out.push_back(to_text(failure));
     return out;
 }
 

@@ -11,10 +11,10 @@
 
 namespace fluidcarve {
 
-std::string to_text(const Fault& fault) {
-    return fmt::format("{} ({}){}: {}", fault.node, fault.type,
-                       fault.frame ? fmt::format(", frame {}", *fault.frame) : std::string(),
-                       one_line(fault.message));
+std::string to_text(const NodeFailure& failure) {
+    return fmt::format("{} ({}){}: {}", failure.node, failure.type,
+                       failure.frame ? fmt::format(", frame {}", *failure.frame) : std::string(),
+                       one_line(failure.message));
 }
 
 namespace {
@@ -116,14 +116,14 @@ std::vector<std::size_t> Report::done() const {
     return out;
 }
 
-void Report::failed(Fault fault) {
+void Report::failed(NodeFailure failure) {
     const std::lock_guard lock(mutex_);
     // A run that begins again may meet the same failure again.
-    const auto same = [&](const Fault& known) {
-        return known.node == fault.node && known.frame == fault.frame &&
-               known.message == fault.message;
+    const auto same = [&](const NodeFailure& known) {
+        return known.node == failure.node && known.frame == failure.frame &&
+               known.message == failure.message;
     };
-    if (std::ranges::none_of(faults_, same)) faults_.push_back(std::move(fault));
+    if (std::ranges::none_of(failures_, same)) failures_.push_back(std::move(failure));
 }
 
 std::string Report::warn(std::size_t node, const std::string& message) {
@@ -151,11 +151,11 @@ nlohmann::ordered_json Report::entry_of(std::size_t node, const std::string& sec
     return found == entries->second.end() ? nlohmann::ordered_json() : found->second;
 }
 
-std::vector<Fault> Report::faults() const {
+std::vector<NodeFailure> Report::failures() const {
     const std::lock_guard lock(mutex_);
-    auto out = faults_;
+    auto out = failures_;
     const auto place = [&](const std::string& name) { return pipeline_.find(name); };
-    std::ranges::stable_sort(out, [&](const Fault& a, const Fault& b) {
+    std::ranges::stable_sort(out, [&](const NodeFailure& a, const NodeFailure& b) {
         return std::tuple(a.frame.has_value() ? 0 : 1, a.frame.value_or(0), place(a.node)) <
                std::tuple(b.frame.has_value() ? 0 : 1, b.frame.value_or(0), place(b.node));
     });
@@ -176,7 +176,7 @@ std::string Report::line_of(std::size_t node, const std::string& message) const 
 
 nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int exit_code) const {
     using json = nlohmann::ordered_json;
-    const auto failures = faults();
+    const auto sorted = failures();
     const std::lock_guard lock(mutex_);
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
@@ -209,9 +209,9 @@ nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int ex
     for (const auto& [section, nodes] : entries_)
         for (const auto& [node, entry] : nodes) out[section][node] = in_order(entry);
     out["failures"] = json::array();
-    for (const auto& fault : failures) {
-        json entry{{"node", fault.node}, {"message", fault.message}};
-        if (fault.frame) entry["frame"] = *fault.frame;
+    for (const auto& failure : sorted) {
+        json entry{{"node", failure.node}, {"message", failure.message}};
+        if (failure.frame) entry["frame"] = *failure.frame;
         out["failures"].push_back(std::move(entry));
     }
     out["warnings"] = json::array();

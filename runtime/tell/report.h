@@ -17,7 +17,7 @@
 namespace fluidcarve {
 
 /// A failure of a node, in one frame or as a whole.
-struct Fault {
+struct NodeFailure {
     std::string node;
     std::string type;
     std::optional<int> frame;
@@ -25,12 +25,12 @@ struct Fault {
     Failure::Kind kind = Failure::Kind::data;
 };
 /// A failure of a node. @param frame  nothing: of the node as a whole
-inline Fault fault_in(const Node& node, std::optional<int> frame, std::string message,
-                      Failure::Kind kind = Failure::Kind::data) {
+inline NodeFailure failure_in(const Node& node, std::optional<int> frame, std::string message,
+                              Failure::Kind kind = Failure::Kind::data) {
     return {node.name, node.type->name, frame, std::move(message), kind};
 }
 /// The failure as a line of text: "spin (energy.vorticity), frame 43: message".
-std::string to_text(const Fault& fault);
+std::string to_text(const NodeFailure& failure);
 
 /// Progress of a node that gathers frames and has not finished.
 struct GatheringProgress {
@@ -62,7 +62,7 @@ public:
     void ended(std::size_t node, double seconds, std::uint64_t bytes, bool good);
     /// A node's result was loaded from the cache.
     void holds(std::size_t node, std::uint64_t bytes);
-    void failed(Fault fault);
+    void failed(NodeFailure failure);
     /// @return the warning as a line of text; empty if it is known already
     std::string warn(std::size_t node, const std::string& message);
     /// Adds a node's entry to a section.
@@ -78,7 +78,8 @@ public:
     /// Progress of a node; nothing if it gathers nothing in this run, or has finished.
     std::optional<GatheringProgress> gathering(std::size_t node) const;
 
-    std::vector<Fault> faults() const;  ///< sorted by frame, then by the pipeline's order of nodes
+    /// Sorted by frame, then by the pipeline's order of nodes.
+    std::vector<NodeFailure> failures() const;
     std::vector<std::string> warnings() const;
     /// Only for use when no node is at work.
     const std::vector<std::string>& lines() const { return lines_; }
@@ -110,7 +111,7 @@ private:
 
     std::vector<Stats> stats_;
     std::vector<NodeLoad> loads_;
-    std::vector<Fault> faults_;
+    std::vector<NodeFailure> failures_;
     std::set<std::pair<std::size_t, std::string>> warnings_;
     std::map<std::string, std::map<std::string, nlohmann::ordered_json>> entries_;
     std::vector<std::string> lines_;
