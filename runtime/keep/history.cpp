@@ -336,7 +336,7 @@ std::string why_lost(const Pipeline& pipeline, std::size_t n,
 
 }  // namespace
 
-std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<NodeLoad>& loads,
+std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<NodeDemand>& demands,
                                  const History& history, const Dependencies& dependencies,
                                  const std::function<NodeNow(std::size_t node)>& now) {
     const auto count = pipeline.nodes.size();
@@ -345,7 +345,7 @@ std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Nod
     std::vector<bool> fresh(count, false);
     ChangedUpstream upstream(pipeline);
     for (std::size_t n = 0; n < count; ++n) {
-        if (loads[n].frames == 0) continue;
+        if (demands[n].needed == 0) continue;
         const auto& node = pipeline.nodes[n];
         const auto& was = history.state(node.name);
         const auto [reads, grown] = now(n);
@@ -363,10 +363,10 @@ std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Nod
     const auto readers = readers_of(pipeline);
     std::vector<std::string> out(count);
     for (std::size_t n = 0; n < count; ++n) {
-        if (loads[n].runs == 0 && loads[n].consumed_inputs == 0) continue;
+        if (demands[n].computed == 0 && demands[n].consumed_inputs == 0) continue;
         std::vector<std::string> users;
         for (const auto user : readers[n])
-            if (loads[user].runs > 0 || loads[user].consumed_inputs > 0)
+            if (demands[user].computed > 0 || demands[user].consumed_inputs > 0)
                 users.push_back(pipeline.nodes[user].name);
         std::vector<std::string> causes;
         if (!fresh[n] && !upstream.none(n)) causes.push_back("changed: " + upstream.text(n));

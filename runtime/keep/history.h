@@ -59,7 +59,7 @@ struct NodeNow {
 /// order of the pipeline: first the nodes upstream, then the node itself. A count is named only if
 /// the node runs because of it: kept results answer smaller counts.
 /// @return one text per node
-std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<NodeLoad>& loads,
+std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<NodeDemand>& demands,
                                  const History& history, const Dependencies& dependencies,
                                  const std::function<NodeNow(std::size_t node)>& now);
 

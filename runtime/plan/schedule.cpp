@@ -201,25 +201,25 @@ NodeFrames working_frames(const Schedule& schedule, std::size_t n) {
     return out;
 }
 
-std::vector<NodeLoad> loads_of(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule,
-                               const Schedule& uncached) {
-    std::vector<NodeLoad> out(pipeline.nodes.size());
+std::vector<NodeDemand> demands_of(const Pipeline& pipeline, const Plan& plan,
+                                   const Schedule& schedule, const Schedule& uncached) {
+    std::vector<NodeDemand> out(pipeline.nodes.size());
     for (std::size_t n = 0; n < out.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         const auto now = working_frames(schedule, n), anew = working_frames(uncached, n);
-        auto& load = out[n];
-        load.consumed_inputs = now.consumed_inputs.size();
-        load.consumed_digests = now.consumed_digests.size();
+        auto& demand = out[n];
+        demand.consumed_inputs = now.consumed_inputs.size();
+        demand.consumed_digests = now.consumed_digests.size();
         if (plan.digested[n]) {
-            load.frames = anew.consumed_inputs.size();
-            load.runs = load.consumed_inputs;
-            load.only_digests = true;
+            demand.needed = anew.consumed_inputs.size();
+            demand.computed = demand.consumed_inputs;
+            demand.only_digests = true;
         } else if (node.rate == Rate::frame) {
-            load.frames = anew.run.size();
-            load.runs = now.run.size();
+            demand.needed = anew.run.size();
+            demand.computed = now.run.size();
         } else if (uncached.once[n] == Action::run) {
-            load.frames = node.streams_in() ? anew.consumed_inputs.size() : 1;
-            load.runs = schedule.once[n] == Action::run ? load.frames : 0;
+            demand.needed = node.streams_in() ? anew.consumed_inputs.size() : 1;
+            demand.computed = schedule.once[n] == Action::run ? demand.needed : 0;
         }
     }
     return out;

@@ -86,20 +86,20 @@ struct NodeFrames {
 };
 NodeFrames working_frames(const Schedule& schedule, std::size_t node);
 
-/// How much of a node's work a run does. All counts are frames.
-struct NodeLoad {
-    std::size_t frames = 0;  ///< frames that the run needs; for a node that runs once: 1, or the
-                             ///< frames that it gathers
-    std::size_t runs = 0;    ///< frames that the run computes; the others are cached
-    /// Only the digests of a gathering node are wanted; `frames` and `runs` then count these.
+/// How much of a node's work a run needs and does. All counts are frames.
+struct NodeDemand {
+    /// Frames that the run needs; for a node that runs once: 1, or the frames that it gathers.
+    std::size_t needed = 0;
+    std::size_t computed = 0;  ///< of these, frames that the run computes; the others are cached
+    /// Only the digests of a gathering node are wanted; `needed` and `computed` then count these.
     bool only_digests = false;
     /// For a gathering node: frames taken from its inputs, and from cached digests.
     std::size_t consumed_inputs = 0, consumed_digests = 0;
 };
 
 /// @param uncached  the schedule of the same plan with an empty cache
-/// @return one load per node
-std::vector<NodeLoad> loads_of(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule,
-                               const Schedule& uncached);
+/// @return one demand per node
+std::vector<NodeDemand> demands_of(const Pipeline& pipeline, const Plan& plan,
+                                   const Schedule& schedule, const Schedule& uncached);
 
 }  // namespace fluidcarve

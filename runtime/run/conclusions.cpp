@@ -20,14 +20,14 @@ struct Concluding : Context::Host {
 }  // namespace
 
 void conclude(const Pipeline& pipeline, const Timelines& timelines,
-              const std::vector<NodeLoad>& loads, Report& report) {
+              const std::vector<NodeDemand>& demands, Report& report) {
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         if (!node.type->conclude) continue;
         // Entries are missing if frames failed, or if results were kept by a version that did not
         // report.
         const auto known = report.entry_of(n, node.type->concludes_from);
-        if (known.empty() || known.size() != loads[n].frames) continue;
+        if (known.empty() || known.size() != demands[n].needed) continue;
         Concluding host(report, n);
         Context context(host, timelines.delivered(n).frames);
         try {

@@ -9,8 +9,8 @@ namespace fluidcarve {
 
 /// Calls NodeType::conclude of each node whose frames are all known, with its reports of them.
 /// Called once, after the last node has run.
-/// @param loads  one per node
+/// @param demands  one per node
 void conclude(const Pipeline& pipeline, const Timelines& timelines,
-              const std::vector<NodeLoad>& loads, Report& report);
+              const std::vector<NodeDemand>& demands, Report& report);
 
 }  // namespace fluidcarve

@@ -46,7 +46,7 @@ std::string time_text(const Forecast& forecast) {
 }  // namespace
 
 Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
-                       const Schedule& schedule, const std::vector<NodeLoad>& loads,
+                       const Schedule& schedule, const std::vector<NodeDemand>& demands,
                        const History& history, const RunOptions& options) {
     const auto& plan = prepared.plan();
     Forecast out;
@@ -55,20 +55,21 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
     out.delivered = FrameSet(prepared.delivered_frames());
     out.passes = passes_of(pipeline, plan, schedule);
     out.remembers = history.on();
-    const auto why = reasons(pipeline, loads, history, prepared.dependencies(), [&](std::size_t n) {
-        return NodeNow{prepared.reads(n), prepared.grown(n)};
-    });
+    const auto why =
+        reasons(pipeline, demands, history, prepared.dependencies(), [&](std::size_t n) {
+            return NodeNow{prepared.reads(n), prepared.grown(n)};
+        });
     const auto work = work_of(schedule);
     out.expected = expected_costs(pipeline, prepared, work, history, options);
     const auto input_bytes = prepared.inputs().frame_bytes;
-    for (std::size_t n = 0; n < loads.size(); ++n) {
-        const auto& load = loads[n];
+    for (std::size_t n = 0; n < demands.size(); ++n) {
+        const auto& demand = demands[n];
         const auto& node = pipeline.nodes[n];
-        if (load.frames == 0) continue;
-        out.lines.push_back({node.name, node.type->name, load.frames, load.frames - load.runs,
-                             why[n], load.consumed_inputs + load.consumed_digests,
-                             load.consumed_digests,
-                             node.type->growth ? node.type->growth->item : ""});
+        if (demand.needed == 0) continue;
+        out.lines.push_back(
+            {node.name, node.type->name, demand.needed, demand.needed - demand.computed, why[n],
+             demand.consumed_inputs + demand.consumed_digests, demand.consumed_digests,
+             node.type->growth ? node.type->growth->item : ""});
         const auto& cost = out.expected[n];
         bool known = true;
         out.seconds += expected_seconds(cost, work[n], known);

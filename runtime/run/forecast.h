@@ -53,7 +53,7 @@ std::uint64_t disk_of(const Node& node, const NodeCost& cost, const NodeWork& wo
                       std::uint64_t input_bytes);
 
 Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
-                       const Schedule& schedule, const std::vector<NodeLoad>& loads,
+                       const Schedule& schedule, const std::vector<NodeDemand>& demands,
                        const History& history, const RunOptions& options);
 
 /// The forecast as a table, followed by time and memory.

@@ -59,9 +59,9 @@ public:
     /// The schedule with an empty cache.
     const Schedule& uncached_schedule() const { return uncached_schedule_; }
     /// What the nodes do in a schedule of this plan, of what they would do with an empty cache.
-    /// @return one load per node
-    std::vector<NodeLoad> loads(const Schedule& schedule) const {
-        return loads_of(pipeline_, plan_, schedule, uncached_schedule_);
+    /// @return one demand per node
+    std::vector<NodeDemand> demands(const Schedule& schedule) const {
+        return demands_of(pipeline_, plan_, schedule, uncached_schedule_);
     }
     /// Adds to the report the warnings and entries of all cached results that the schedule uses.
     void repeat_logs(const Schedule& schedule, Report& report);

@@ -18,37 +18,39 @@ constexpr auto between_looks = std::chrono::milliseconds(500);
 
 /// Why a node's results should exist, and what makes them; empty: they exist, or the run may make
 /// them.
-std::string lack_of(const Pipeline& pipeline, std::size_t n, const Plan& plan, const NodeLoad& load,
-                    const RunRequest& request) {
+std::string lack_of(const Pipeline& pipeline, std::size_t n, const Plan& plan,
+                    const NodeDemand& demand, const RunRequest& request) {
     const auto& node = pipeline.nodes[n];
     if (plan.targets[n] || plan.digested[n]) return {};
     const auto waited =
         request.wait ? fmt::format("after {} s of --wait, ", *request.wait) : std::string();
-    if (request.target.only && load.runs > 0 && node.kept)
+    if (request.target.only && demand.computed > 0 && node.kept)
         return fmt::format(
             "has no results in the work folder for {} of {}, {}and --only runs no other node; run "
             "--to {} first",
-            load.runs, counted(load.frames, "frame"), waited, node.name);
+            demand.computed, counted(demand.needed, "frame"), waited, node.name);
     if (!request.wait) return {};
     const auto lack = [&](const char* what, std::size_t frames) {
         return fmt::format(
             "{} {} of {} are not in the work folder '{}', {}and --wait leaves them to other runs; "
             "run --to {} first",
             what, frames,
-            counted(std::max(load.frames, load.consumed_inputs + load.consumed_digests), "frame"),
+            counted(std::max(demand.needed, demand.consumed_inputs + demand.consumed_digests),
+                    "frame"),
             request.options.work_folder, waited, node.name);
     };
-    if (digests_apart(node) && load.consumed_inputs > 0)
-        return lack("the data of", load.consumed_inputs);
-    if (gathers_apart(node) && load.runs > 0) return lack("the results of", load.runs);
+    if (digests_apart(node) && demand.consumed_inputs > 0)
+        return lack("the data of", demand.consumed_inputs);
+    if (gathers_apart(node) && demand.computed > 0) return lack("the results of", demand.computed);
     return {};
 }
 
 std::vector<NodeFailure> missing_in(const Pipeline& pipeline, const Plan& plan,
-                                    const std::vector<NodeLoad>& loads, const RunRequest& request) {
+                                    const std::vector<NodeDemand>& demands,
+                                    const RunRequest& request) {
     std::vector<NodeFailure> out;
-    for (std::size_t n = 0; n < loads.size(); ++n)
-        if (const auto lack = lack_of(pipeline, n, plan, loads[n], request); !lack.empty())
+    for (std::size_t n = 0; n < demands.size(); ++n)
+        if (const auto lack = lack_of(pipeline, n, plan, demands[n], request); !lack.empty())
             out.push_back(failure_in(pipeline.nodes[n], std::nullopt, lack, Failure::Kind::input));
     return out;
 }
@@ -84,8 +86,8 @@ Prerequisites wait_for_prerequisites(const Pipeline& pipeline, Preparation& prep
                            std::min(request.wait.value_or(0), longest)));
     while (true) {
         Prerequisites out{prepared.schedule(), {}, {}};
-        out.loads = prepared.loads(out.schedule);
-        out.missing = missing_in(pipeline, prepared.plan(), out.loads, request);
+        out.demands = prepared.demands(out.schedule);
+        out.missing = missing_in(pipeline, prepared.plan(), out.demands, request);
         if (const auto unread = prepared.cache().unread(); !unread.empty())
             for (auto& failure : out.missing)
                 failure.message =

@@ -16,7 +16,7 @@ std::string fault_of_task_folder(const RunRequest& request, const std::function<
 /// A schedule, and what it lacks.
 struct Prerequisites {
     Schedule schedule;
-    std::vector<NodeLoad> loads;       ///< of the schedule
+    std::vector<NodeDemand> demands;   ///< of the schedule
     std::vector<NodeFailure> missing;  ///< for each node whose required results are not in the work
                                        ///< folder; empty: the run may begin
 };

@@ -35,10 +35,10 @@ namespace {
 
 /// Creates the first file of each writer and removes it again, so that a folder that can't be
 /// written to fails before a long run.
-void try_outputs(const Pipeline& pipeline, const std::vector<NodeLoad>& loads, int frame,
+void try_outputs(const Pipeline& pipeline, const std::vector<NodeDemand>& demands, int frame,
                  Report& report) {
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
-        if (loads[n].runs == 0) continue;
+        if (demands[n].computed == 0) continue;
         const auto& node = pipeline.nodes[n];
         for (const auto& [param, path] : node.written()) {
             try {
@@ -53,10 +53,10 @@ void try_outputs(const Pipeline& pipeline, const std::vector<NodeLoad>& loads, i
 }
 
 /// Whether all work is done, so that nothing is left to interrupt.
-bool all_done(const Report& report, const std::vector<NodeLoad>& to_do) {
+bool all_done(const Report& report, const std::vector<NodeDemand>& to_do) {
     const auto done = report.done();
     for (std::size_t n = 0; n < to_do.size(); ++n)
-        if (done[n] < to_do[n].frames) return false;
+        if (done[n] < to_do[n].needed) return false;
     return true;
 }
 
@@ -78,12 +78,12 @@ bool keeps_what_was_asked(const Pipeline& pipeline, Preparation& prepared,
     if (request.target.to.empty() || !request.options.cache) return true;
     const auto& plan = prepared.plan();
     auto fault = prepared.cache().fault();
-    const auto left = prepared.loads(prepared.schedule());
+    const auto left = prepared.demands(prepared.schedule());
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         const bool asked = plan.digested[n] ? digests_apart(node)
                                             : plan.targets[n] && node.kept && !pipeline.writes(n);
-        if (!asked || (fault.empty() && left[n].runs == 0)) continue;
+        if (!asked || (fault.empty() && left[n].computed == 0)) continue;
         if (fault.empty()) fault = prepared.fault_of_contents();
         if (fault.empty())
             fault = "they are not in the work folder; does something clean it? Run again";
@@ -97,10 +97,10 @@ bool keeps_what_was_asked(const Pipeline& pipeline, Preparation& prepared,
 
 /// Stores the state of all nodes in the history, so that a later forecast can say what changed.
 void remember(const Pipeline& pipeline, const Preparation& prepared,
-              const std::vector<NodeLoad>& loads, History& history) {
+              const std::vector<NodeDemand>& demands, History& history) {
     if (!history.on()) return;
-    for (std::size_t n = 0; n < loads.size(); ++n)
-        if (loads[n].frames > 0)
+    for (std::size_t n = 0; n < demands.size(); ++n)
+        if (demands[n].needed > 0)
             history.set(pipeline.nodes[n].name,
                         History::made_of(pipeline, n, prepared.dependencies(), prepared.reads(n)));
     history.save();
@@ -160,7 +160,7 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     for (const auto& failure : report.failures()) tell("failed: " + to_text(failure));
     if (!report.failures().empty()) return exit_code::input;
     const auto schedule = prepared.schedule();
-    const auto to_do = prepared.loads(schedule);
+    const auto to_do = prepared.demands(schedule);
     if (!request.quiet) tell_of_unread(prepared.cache());
     const History history(request.options.cache ? request.options.work_folder : std::string(),
                           pipeline.name);
@@ -254,7 +254,7 @@ private:
         // repeat_logs found a damaged entry: its result must be computed again.
         if (prepared.cache().damaged() > 0) {
             schedule = prepared.careful_schedule();
-            to_do = prepared.loads(schedule);
+            to_do = prepared.demands(schedule);
         }
         History history(work_folder(), pipeline_.name);
         const auto forecast =

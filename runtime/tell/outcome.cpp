@@ -23,19 +23,20 @@ std::string interrupted_text(bool kept) {
                 : "interrupted; with --no-cache the next run begins anew";
 }
 
-bool nothing_to_do(const std::vector<NodeLoad>& loads) {
-    return std::ranges::any_of(loads, [](const NodeLoad& load) { return load.frames > 0; }) &&
-           std::ranges::all_of(loads, [](const NodeLoad& load) {
-               return load.runs == 0 && load.consumed_inputs == 0;
+bool nothing_to_do(const std::vector<NodeDemand>& demands) {
+    return std::ranges::any_of(demands,
+                               [](const NodeDemand& demand) { return demand.needed > 0; }) &&
+           std::ranges::all_of(demands, [](const NodeDemand& demand) {
+               return demand.computed == 0 && demand.consumed_inputs == 0;
            });
 }
 
 std::vector<std::string> written_paths(const Pipeline& pipeline,
-                                       const std::vector<NodeLoad>& loads) {
+                                       const std::vector<NodeDemand>& demands) {
     std::vector<std::string> out;
-    for (std::size_t n = 0; n < loads.size(); ++n) {
+    for (std::size_t n = 0; n < demands.size(); ++n) {
         const auto& node = pipeline.nodes[n];
-        if (loads[n].frames == 0) continue;
+        if (demands[n].needed == 0) continue;
         for (const auto& [param, path] : node.written())
             if (std::ranges::find(out, path.text()) == out.end()) out.push_back(path.text());
     }
@@ -43,12 +44,12 @@ std::vector<std::string> written_paths(const Pipeline& pipeline,
 }
 
 std::optional<std::size_t> written_frames(const Pipeline& pipeline,
-                                          const std::vector<NodeLoad>& loads) {
+                                          const std::vector<NodeDemand>& demands) {
     std::optional<std::size_t> out;
-    for (std::size_t n = 0; n < loads.size(); ++n) {
-        if (loads[n].frames == 0) continue;
+    for (std::size_t n = 0; n < demands.size(); ++n) {
+        if (demands[n].needed == 0) continue;
         for (const auto& [param, path] : pipeline.nodes[n].written())
-            if (path.per_frame()) out = std::max(out.value_or(0), loads[n].frames);
+            if (path.per_frame()) out = std::max(out.value_or(0), demands[n].needed);
     }
     return out;
 }

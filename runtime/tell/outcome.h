@@ -25,14 +25,14 @@ std::string done_text(const Outcome& outcome);
 /// What an interrupted run tells. @param kept  whether the work folder keeps what was computed
 std::string interrupted_text(bool kept);
 
-/// Whether all results of a run exist before it begins. @param loads  one per node
-bool nothing_to_do(const std::vector<NodeLoad>& loads);
+/// Whether all results of a run exist before it begins. @param demands  one per node
+bool nothing_to_do(const std::vector<NodeDemand>& demands);
 /// The paths of the writers that take part in a run, as the pipeline states them, each once.
 std::vector<std::string> written_paths(const Pipeline& pipeline,
-                                       const std::vector<NodeLoad>& loads);
+                                       const std::vector<NodeDemand>& demands);
 /// Largest number of frames of any writer of a file per frame; downstream of a node that retimes,
 /// it differs from the number read. Nothing: there is no such writer.
 std::optional<std::size_t> written_frames(const Pipeline& pipeline,
-                                          const std::vector<NodeLoad>& loads);
+                                          const std::vector<NodeDemand>& demands);
 
 }  // namespace fluidcarve

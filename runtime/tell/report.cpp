@@ -39,9 +39,9 @@ nlohmann::ordered_json in_order(const nlohmann::ordered_json& entry) {
 
 Report::Report(const Pipeline& pipeline) : pipeline_(pipeline), stats_(pipeline.nodes.size()) {}
 
-void Report::expect(std::vector<NodeLoad> loads) {
+void Report::expect(std::vector<NodeDemand> demands) {
     const std::lock_guard lock(mutex_);
-    if (loads_.empty()) loads_ = std::move(loads);
+    if (demands_.empty()) demands_ = std::move(demands);
 }
 
 void Report::ran(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes) {
@@ -88,8 +88,8 @@ void Report::holds(std::size_t node, std::uint64_t bytes) {
 std::size_t Report::computed(std::size_t n) const {
     const auto& stats = stats_[n];
     if (!stats.places.empty()) return stats.places.size();
-    if (stats.finished && pipeline_.nodes[n].rate != Rate::frame) return loads_[n].frames;
-    return loads_[n].only_digests ? stats.consumed.size() : 0;
+    if (stats.finished && pipeline_.nodes[n].rate != Rate::frame) return demands_[n].needed;
+    return demands_[n].only_digests ? stats.consumed.size() : 0;
 }
 
 std::uint64_t Report::most_bytes(std::size_t n) const {
@@ -99,10 +99,10 @@ std::uint64_t Report::most_bytes(std::size_t n) const {
 
 std::optional<GatheringProgress> Report::gathering(std::size_t n) const {
     const std::lock_guard lock(mutex_);
-    if (n >= loads_.size() || !pipeline_.nodes[n].streams_in() || loads_[n].only_digests ||
+    if (n >= demands_.size() || !pipeline_.nodes[n].streams_in() || demands_[n].only_digests ||
         stats_[n].finished)
         return std::nullopt;
-    const auto needed = loads_[n].consumed_inputs + loads_[n].consumed_digests;
+    const auto needed = demands_[n].consumed_inputs + demands_[n].consumed_digests;
     if (needed == 0) return std::nullopt;
     return GatheringProgress{stats_[n].gathered.size(), needed, stats_[n].items,
                              stats_[n].of_items};
@@ -111,8 +111,9 @@ std::optional<GatheringProgress> Report::gathering(std::size_t n) const {
 std::vector<std::size_t> Report::done() const {
     const std::lock_guard lock(mutex_);
     std::vector<std::size_t> out;
-    for (std::size_t n = 0; n < loads_.size(); ++n)
-        out.push_back(loads_[n].frames - loads_[n].runs + std::min(computed(n), loads_[n].runs));
+    for (std::size_t n = 0; n < demands_.size(); ++n)
+        out.push_back(demands_[n].needed - demands_[n].computed +
+                      std::min(computed(n), demands_[n].computed));
     return out;
 }
 
@@ -189,11 +190,12 @@ nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int ex
              {"peak_rss_bytes", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024},
              {"nodes", json::object()},
              {"seams", json::object()}};
-    for (std::size_t n = 0; n < loads_.size(); ++n) {
+    for (std::size_t n = 0; n < demands_.size(); ++n) {
         const auto& stats = stats_[n];
-        const auto& load = loads_[n];
-        const auto cached = load.frames - std::max(load.runs, std::min(computed(n), load.frames));
-        if (load.frames == 0 ||
+        const auto& demand = demands_[n];
+        const auto cached =
+            demand.needed - std::max(demand.computed, std::min(computed(n), demand.needed));
+        if (demand.needed == 0 ||
             (cached == 0 && computed(n) == 0 && stats.consumed.empty() && stats.once_s == 0))
             continue;
         auto& node = out["nodes"][pipeline_.nodes[n].name];
@@ -202,9 +204,9 @@ nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int ex
                 {"cached", cached},
                 {"wall_s", stats.seconds()},
                 {"bytes", stats.most_bytes}};
-        if (stats.consumed.size() + load.consumed_digests > 0)
-            node["taken"] = {{"frames", stats.consumed.size() + load.consumed_digests},
-                             {"cached", load.consumed_digests}};
+        if (stats.consumed.size() + demand.consumed_digests > 0)
+            node["taken"] = {{"frames", stats.consumed.size() + demand.consumed_digests},
+                             {"cached", demand.consumed_digests}};
     }
     for (const auto& [section, nodes] : entries_)
         for (const auto& [node, entry] : nodes) out[section][node] = in_order(entry);

@@ -45,8 +45,8 @@ public:
     explicit Report(const Pipeline& pipeline);
 
     /// Sets how much of each node the run will do. Called once, before the run starts.
-    /// @param loads  one per node
-    void expect(std::vector<NodeLoad> loads);
+    /// @param demands  one per node
+    void expect(std::vector<NodeDemand> demands);
     /// A node computed the result of one frame.
     /// @param place  index in the sequence
     /// @param bytes  size of the result in memory
@@ -110,7 +110,7 @@ private:
     std::string line_of(std::size_t node, const std::string& message) const;
 
     std::vector<Stats> stats_;
-    std::vector<NodeLoad> loads_;
+    std::vector<NodeDemand> demands_;
     std::vector<NodeFailure> failures_;
     std::set<std::pair<std::size_t, std::string>> warnings_;
     std::map<std::string, std::map<std::string, nlohmann::ordered_json>> entries_;

@@ -194,9 +194,9 @@ bool must_solve(const Pipeline& pipeline, const Registry& registry, const RunReq
     Preparation prepared(pipeline, registry, request, report);
     // What is missing is told by the run.
     if (prepared.frames().empty() || !prepared.inputs().missing.empty()) return false;
-    const auto to_do = prepared.loads(prepared.schedule());
+    const auto to_do = prepared.demands(prepared.schedule());
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
-        if (to_do[n].runs == 0 || !pipeline.nodes[n].type->growth) continue;
+        if (to_do[n].computed == 0 || !pipeline.nodes[n].type->growth) continue;
         auto fault = prepared.cache().unread();
         if (!fault.empty()) fault += "; make it readable, or name another work folder with --work";
         else if (request.options.cache) fault = prepared.fault_of_contents();

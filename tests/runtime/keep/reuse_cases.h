@@ -88,7 +88,7 @@ struct Shot {
         const auto schedule = prepared.schedule();
         const History history(request.options.cache ? request.options.work_folder : "",
                               pipeline.name);
-        return to_json(make_forecast(pipeline, prepared, schedule, prepared.loads(schedule),
+        return to_json(make_forecast(pipeline, prepared, schedule, prepared.demands(schedule),
                                      history, request.options));
     }
     /// Runs frame after frame. Once the log has a line, the file of a frame is another one.

@@ -79,11 +79,11 @@ TEST_CASE("a gathering node takes every frame in one pass, and delivers some in 
     const auto of_share = [](std::size_t node, std::size_t) { return node == 2; };
     const auto cached = make_schedule(pipeline, plan, {true, false}, {of_share, no, yes, yes, no});
     CHECK(text(cached, pipeline) == "1.0: load share, run print\n");
-    const auto all = loads_of(pipeline, plan, cached, uncached);
-    CHECK(all[1].frames == 2);
-    CHECK(all[1].runs == 0);
-    CHECK(all[3].frames == 1);
-    CHECK(all[3].runs == 1);
+    const auto all = demands_of(pipeline, plan, cached, uncached);
+    CHECK(all[1].needed == 2);
+    CHECK(all[1].computed == 0);
+    CHECK(all[3].needed == 1);
+    CHECK(all[3].computed == 1);
 }
 
 TEST_CASE("a gathering node takes a cached digest without the frame") {
@@ -96,12 +96,13 @@ TEST_CASE("a gathering node takes a cached digest without the frame") {
     const auto schedule = make_schedule(pipeline, plan, {true, true}, {no, first, yes, yes, no});
     CHECK(text(schedule, pipeline) == "0.0: kept into top\n0.1: run load, into top\n");
     CHECK(schedule.once[1] == Schedule::Action::run);
-    const auto share = loads_of(pipeline, plan, schedule,
-                                make_schedule(pipeline, plan, {true, true}, {no, no, yes, yes, no}))
-                           .at(1);
+    const auto share =
+        demands_of(pipeline, plan, schedule,
+                   make_schedule(pipeline, plan, {true, true}, {no, no, yes, yes, no}))
+            .at(1);
     CHECK(share.consumed_digests == 1);
     CHECK(share.consumed_inputs == 1);
-    CHECK(share.frames == 2);
+    CHECK(share.needed == 2);
 
     const auto digests = make_plan(pipeline, {"top.number", "", false});
     const auto some = make_schedule(pipeline, digests, {false, true}, {no, no, yes, yes, no});

@@ -47,19 +47,19 @@ struct Weighing {
         pipeline = build_pipeline(read_document(scratch.write("p.yaml", text), {}, problems),
                                   registry, problems);
         REQUIRE(to_text(problems) == "");
-        loads.resize(2);
-        loads[1].frames = 3;
+        demands.resize(2);
+        demands[1].needed = 3;
     }
     void conclude_of(Report& report, int frames) const {
         for (int n = 1; n <= frames; ++n)
             report.entry(1, "weights", {{std::to_string(n), n * 1.5}});
-        conclude(pipeline, Timelines(pipeline, {}), loads, report);
+        conclude(pipeline, Timelines(pipeline, {}), demands, report);
     }
 
     const Scratch scratch;
     Registry registry = toy::registry();
     Pipeline pipeline;
-    std::vector<fluidcarve::NodeLoad> loads;
+    std::vector<fluidcarve::NodeDemand> demands;
 };
 
 }  // namespace

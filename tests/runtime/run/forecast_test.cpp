@@ -122,7 +122,7 @@ public:
         Preparation prepared(all, registry_with_dig(), {.options = options}, unused);
         const auto schedule = prepared.schedule();
         const History history(cache ? options.work_folder : "", all.name);
-        return make_forecast(all, prepared, schedule, prepared.loads(schedule), history, options);
+        return make_forecast(all, prepared, schedule, prepared.demands(schedule), history, options);
     }
     std::string why(const std::string& energy, const std::string& dig) const {
         return forecast(energy, dig).lines.at(2).why;
