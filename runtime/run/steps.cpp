@@ -284,12 +284,13 @@ nlohmann::ordered_json to_json(const std::vector<RunStep>& steps) {
     for (const auto& step : steps) {
         std::vector<std::string> needs;
         for (const auto need : step.needs) needs.push_back(steps[need].name);
-        const auto needs = step.resources(step.frames.size());
+        const auto resources = step.resources(step.frames.size());
         auto& entry = out.emplace_back(
             nlohmann::ordered_json{{"name", step.name}, {"what", step.what}, {"needs", needs}});
         if (step.chunked) entry["frames"] = FrameSet(step.frames).text();
-        entry.update({{"cores", needs.cores}, {"memory", needs.memory}, {"disk", needs.disk}});
-        if (needs.seconds) entry["seconds"] = *needs.seconds;
+        entry.update(
+            {{"cores", resources.cores}, {"memory", resources.memory}, {"disk", resources.disk}});
+        if (resources.seconds) entry["seconds"] = *resources.seconds;
     }
     return out;
 }
