@@ -87,8 +87,8 @@ void InputFile::require_same_size() const {
         changed(static_cast<std::uint64_t>(now.st_size));
 }
 
-void InputFile::advise(Use use) const {
-    if (use == Use::over) {
+void InputFile::advise(Advice advice) const {
+    if (advice == Advice::over) {
         posix_fadvise(file_, 0, 0, POSIX_FADV_DONTNEED);
         return;
     }

@@ -55,9 +55,9 @@ public:
     /// @throws Unreadable if the file holds more or less bytes than when it was opened
     void require_same_size() const;
 
-    enum class Use { soon, over };
+    enum class Advice { soon, over };
     /// Tells the system to read the whole file ahead (soon), or to drop it from the cache (over).
-    void advise(Use use) const;
+    void advise(Advice advice) const;
 
 private:
     /// @return the bytes read; fewer than `bytes` at the end of the file

@@ -307,7 +307,7 @@ Failure OutputFile::not_whole() const {
 
 bool OutputFile::is_aside(std::string_view name) { return owner_of(name).has_value(); }
 
-std::uint64_t OutputFile::number_at(const std::string& path) {
+std::uint64_t OutputFile::inode_of(const std::string& path) {
     const std::lock_guard lock(unfinished_mutex);
     const auto found = committed.find(path);
     return found == committed.end() ? 0 : found->second;

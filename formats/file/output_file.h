@@ -42,7 +42,7 @@ public:
     static void sync_commits(bool on);
 
     /// Inode of the file that this process last renamed to `path`; 0: none.
-    static std::uint64_t number_at(const std::string& path);
+    static std::uint64_t inode_of(const std::string& path);
     /// Whether a file of this name is a temporary file of any process.
     static bool is_aside(std::string_view name);
     /// Removes the temporary files of all outputs that are not committed. To be called before a

@@ -7,14 +7,14 @@
 
 namespace fluidcarve {
 
-void ReadAhead::tell_system(const std::string& path, InputFile::Use use) {
+void ReadAhead::advise_system(const std::string& path, InputFile::Advice advice) {
     try {
-        InputFile(path, {"an input"}).advise(use);
+        InputFile(path, {"an input"}).advise(advice);
     } catch (const Unreadable&) {}
 }
 
-ReadAhead::ReadAhead(FilesOfPass files, std::size_t ahead, std::uint64_t memory, Tell tell)
-    : files_(std::move(files)), ahead_(ahead), tell_(std::move(tell)) {
+ReadAhead::ReadAhead(FilesOfPass files, std::size_t ahead, std::uint64_t memory, Advise advise)
+    : files_(std::move(files)), ahead_(ahead), advise_(std::move(advise)) {
     for (std::size_t frame = 0; frame < files_.read.size(); ++frame)
         for (const auto& path : files_.read[frame]) last_[path] = frame;
     std::uint64_t all = 0;
@@ -53,20 +53,20 @@ void ReadAhead::work(const std::stop_token& stop) {
         lock.unlock();
         for (const auto gone : done) drop(gone);
         if (asks)
-            for (const auto& path : files_.read[frame]) tell_(path, InputFile::Use::soon);
+            for (const auto& path : files_.read[frame]) advise_(path, InputFile::Advice::soon);
         lock.lock();
     }
 }
 
 void ReadAhead::drop(std::size_t done) {
     for (const auto& path : files_.read[done])
-        if (last_[path] == done) tell_(path, InputFile::Use::over);
+        if (last_[path] == done) advise_(path, InputFile::Advice::over);
     // The system drops only data that is on the disk, and begins to write the rest, so it is told
     // again later.
     lately_.push_back(done);
     if (lately_.size() > ahead_ + 2) lately_.pop_front();
     for (const auto frame : lately_)
-        for (const auto& path : files_.written[frame]) tell_(path, InputFile::Use::over);
+        for (const auto& path : files_.written[frame]) advise_(path, InputFile::Advice::over);
 }
 
 FilesOfPass files_of(const Store& store, const Wiring& wiring,

@@ -29,12 +29,13 @@ struct FilesOfPass {
 /// reads, or that frames have written.
 class ReadAhead {
 public:
-    /// Tells the system about the use of a file.
-    using Tell = std::function<void(const std::string& path, InputFile::Use)>;
+    /// Gives the system advice about a file.
+    using Advise = std::function<void(const std::string& path, InputFile::Advice)>;
 
     /// @param ahead   number of frames to read ahead
     /// @param memory  bytes
-    ReadAhead(FilesOfPass files, std::size_t ahead, std::uint64_t memory, Tell tell = tell_system);
+    ReadAhead(FilesOfPass files, std::size_t ahead, std::uint64_t memory,
+              Advise advise = advise_system);
     ~ReadAhead();
     ReadAhead(const ReadAhead&) = delete;
     ReadAhead& operator=(const ReadAhead&) = delete;
@@ -44,7 +45,7 @@ public:
     void end(std::size_t frame);
 
     /// Leaves out a file that can't be opened, since its reader reports that.
-    static void tell_system(const std::string& path, InputFile::Use use);
+    static void advise_system(const std::string& path, InputFile::Advice advice);
 
 private:
     void work(const std::stop_token& stop);
@@ -53,7 +54,7 @@ private:
 
     const FilesOfPass files_;
     const std::size_t ahead_;
-    const Tell tell_;
+    const Advise advise_;
     std::map<std::string, std::size_t> last_;  ///< file to the last frame that reads it
     bool drops_ = false;
     std::mutex mutex_;

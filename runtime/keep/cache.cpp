@@ -174,7 +174,7 @@ std::optional<Cache::Read> Cache::read(const Hash& key) {
     return Read{std::move(*header), std::move(bytes), body};
 }
 
-bool Cache::whole(const Hash& key) { return read(key).has_value(); }
+bool Cache::intact(const Hash& key) { return read(key).has_value(); }
 
 std::optional<Cache::Entry> Cache::load(const Hash& key) {
     auto file = read(key);
@@ -259,19 +259,19 @@ void Cache::finish() {
 void Cache::look_again() {
     packs_.look_again();
     const std::lock_guard lock(mutex_);
-    unread_.clear();
+    read_fault_.clear();
 }
 
 void Cache::note(const Hash& key, int error) const {
     if (error == 0 || error == ENOENT) return;
     const std::lock_guard lock(mutex_);
-    if (unread_.empty())
-        unread_ = fmt::format("cannot read {}: {}", path_of(key), std::strerror(error));
+    if (read_fault_.empty())
+        read_fault_ = fmt::format("cannot read {}: {}", path_of(key), std::strerror(error));
 }
 
-std::string Cache::unread() const {
+std::string Cache::read_fault() const {
     const std::lock_guard lock(mutex_);
-    return unread_.empty() ? packs_.unread() : unread_;
+    return read_fault_.empty() ? packs_.read_fault() : read_fault_;
 }
 
 std::string Cache::fault() const {

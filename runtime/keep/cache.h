@@ -49,7 +49,7 @@ public:
     /// damaged entry is removed, or no longer found in its pack.
     std::optional<Entry> load(const Hash& key);
     /// Whether there is an entry with every byte intact; a damaged entry is removed.
-    bool whole(const Hash& key);
+    bool intact(const Hash& key);
     /// Writes an entry.
     /// @return false if it can't be written; later calls then store nothing, and `fault` says why
     bool store(const Hash& key, nlohmann::ordered_json header, const std::vector<Payload>& outputs);
@@ -58,7 +58,7 @@ public:
     std::string fault() const;
     /// Why existing entries may not be found: the first error of the system, with the path. Empty:
     /// none.
-    std::string unread() const;
+    std::string read_fault() const;
     /// Number of damaged entries found so far.
     std::size_t damaged() const { return damaged_ + packs_.damaged(); }
 
@@ -91,7 +91,7 @@ private:
     mutable Packs packs_;
     mutable std::mutex mutex_;
     std::string fault_;
-    mutable std::string unread_;
+    mutable std::string read_fault_;
     std::atomic<std::size_t> damaged_{0};
 };
 

@@ -21,9 +21,9 @@ Hash stamp_of(const struct stat& file);
 class FileHashes {
 public:
     struct Content {
-        Hash key;                  ///< hash of the content
-        std::uint64_t size = 0;    ///< bytes
-        std::uint64_t number = 0;  ///< inode
+        Hash key;                ///< hash of the content
+        std::uint64_t size = 0;  ///< bytes
+        std::uint64_t inode = 0;
     };
 
     /// @param folder  where hashes are stored; empty: nowhere

@@ -94,7 +94,7 @@ void Packs::look_again() {
     end_own();
     packs_.clear();
     places_.clear();
-    unread_.clear();
+    read_fault_.clear();
     scanned_ = false;
 }
 
@@ -159,14 +159,14 @@ std::size_t Packs::damaged() const {
     return damaged_;
 }
 
-std::string Packs::unread() const {
+std::string Packs::read_fault() const {
     const std::lock_guard lock(mutex_);
-    return unread_;
+    return read_fault_;
 }
 
 void Packs::note(const std::string& path, int error) {
-    if (error != 0 && error != ENOENT && unread_.empty())
-        unread_ = fmt::format("cannot read {}: {}", path, std::strerror(error));
+    if (error != 0 && error != ENOENT && read_fault_.empty())
+        read_fault_ = fmt::format("cannot read {}: {}", path, std::strerror(error));
 }
 
 bool Packs::is_name(std::string_view name) {

@@ -54,7 +54,7 @@ public:
     std::size_t damaged() const;
     /// Why existing records may not be found: the first error of the system, with the path. Empty:
     /// none.
-    std::string unread() const;
+    std::string read_fault() const;
 
     /// Whether a file of this name is a pack, if it begins as one.
     static bool is_name(std::string_view name);
@@ -103,7 +103,7 @@ private:
     std::size_t own_ = 0;  ///< the pack that this process appends to
     int own_file_ = -1;    ///< below 0: none
     std::size_t damaged_ = 0;
-    std::string unread_;
+    std::string read_fault_;
 };
 
 }  // namespace fluidcarve

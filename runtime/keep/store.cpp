@@ -139,7 +139,7 @@ void Store::keep_files(std::size_t n, std::size_t place, const NodeLog& log) {
     for (const auto& path : outputs(n, place)) {
         const auto content = files_.content_now(path);
         // Another process may have replaced the file since.
-        if (!content || content->number != OutputFile::number_at(path)) return;
+        if (!content || content->inode != OutputFile::inode_of(path)) return;
         now.push_back(content->key.text());
     }
     auto header = header_of(log);

@@ -29,11 +29,11 @@ public:
     bool knows(std::size_t node, std::size_t place);
     bool knows_digest(std::size_t node, std::size_t place);
     /// The same, but reads the whole entry; a damaged one does not count.
-    bool knows_whole(std::size_t node, std::size_t place) {
-        return knows(node, place) && cache_.whole(keys_.entry(node, place));
+    bool knows_intact(std::size_t node, std::size_t place) {
+        return knows(node, place) && cache_.intact(keys_.entry(node, place));
     }
-    bool knows_whole_digest(std::size_t node, std::size_t place) {
-        return knows_digest(node, place) && cache_.whole(keys_.digest(node, place));
+    bool knows_intact_digest(std::size_t node, std::size_t place) {
+        return knows_digest(node, place) && cache_.intact(keys_.digest(node, place));
     }
     /// How much of a growing result is kept; nothing: none of it is.
     std::optional<GrownResult> grown(std::size_t node);

@@ -157,7 +157,7 @@ bool WorkFolder::marked() const {
     return false;
 }
 
-std::string WorkFolder::unread() const {
+std::string WorkFolder::read_fault() const {
     auto folders = std::vector{fs::path(path_)};
     for (const auto* const part : parts) folders.push_back(fs::path(path_) / part);
     for (const auto& folder : folders) {

@@ -21,7 +21,7 @@ public:
     bool marked() const;
     /// Why the content of the folder is unknown: it, or a part of it, exists and can't be listed.
     /// Empty: it can, or does not exist.
-    std::string unread() const;
+    std::string read_fault() const;
     /// Why fluidcarve must not remove files in the folder, with the remedy; empty: it may, or
     /// there is no folder.
     std::string fault() const;

@@ -164,12 +164,12 @@ Schedule Preparation::schedule(bool careful) {
     const ScheduleQueries known{
         [&](std::size_t n, std::size_t place) {
             return once(results, n, place, [&] {
-                return careful ? store_.knows_whole(n, place) : store_.knows(n, place);
+                return careful ? store_.knows_intact(n, place) : store_.knows(n, place);
             });
         },
         [&](std::size_t n, std::size_t place) {
             return once(digests, n, place, [&] {
-                return careful ? store_.knows_whole_digest(n, place)
+                return careful ? store_.knows_intact_digest(n, place)
                                : store_.knows_digest(n, place);
             });
         },

@@ -88,10 +88,10 @@ Prerequisites wait_for_prerequisites(const Pipeline& pipeline, Preparation& prep
         Prerequisites out{prepared.schedule(), {}, {}};
         out.demands = prepared.demands(out.schedule);
         out.missing = missing_in(pipeline, prepared.plan(), out.demands, request);
-        if (const auto unread = prepared.cache().unread(); !unread.empty())
+        if (const auto fault = prepared.cache().read_fault(); !fault.empty())
             for (auto& failure : out.missing)
                 failure.message =
-                    "nothing tells whether its results are in the work folder: " + unread;
+                    "nothing tells whether its results are in the work folder: " + fault;
         if (out.missing.empty() || cancelled() || Clock::now() >= end) return out;
         std::this_thread::sleep_for(between_looks);
         prepared.cache().look_again();

@@ -131,9 +131,9 @@ bool grants_threads(const RunRequest& request) {
 }
 
 /// Warns of a work folder whose results could not be read.
-void tell_of_unread(const Cache& cache) {
-    if (const auto unread = cache.unread(); !unread.empty())
-        tell("warning: results of earlier runs could not be used: " + unread);
+void tell_of_read_fault(const Cache& cache) {
+    if (const auto fault = cache.read_fault(); !fault.empty())
+        tell("warning: results of earlier runs could not be used: " + fault);
 }
 
 /// Warns of damaged, unreadable or unwritable cache entries.
@@ -143,7 +143,7 @@ void tell_of_cache(const Cache& cache, const Report& report) {
                          cache.damaged(), cache.damaged() == 1 ? "result" : "results",
                          cache.damaged() == 1 ? "was" : "were"));
     if (!report.failures().empty()) return;
-    if (cache.fault().empty()) tell_of_unread(cache);
+    if (cache.fault().empty()) tell_of_read_fault(cache);
     else tell(fmt::format("warning: results could not be kept for other runs: {}", cache.fault()));
 }
 
@@ -161,7 +161,7 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     if (!report.failures().empty()) return exit_code::input;
     const auto schedule = prepared.schedule();
     const auto to_do = prepared.demands(schedule);
-    if (!request.quiet) tell_of_unread(prepared.cache());
+    if (!request.quiet) tell_of_read_fault(prepared.cache());
     const History history(request.options.cache ? request.options.work_folder : std::string(),
                           pipeline.name);
     const auto forecast =

@@ -43,7 +43,7 @@ std::optional<std::chrono::seconds> age_of(std::string_view text) {
 
 /// Says how far the runs in a work folder have come.
 int status(const std::string& folder, bool json) {
-    if (const auto fault = WorkFolder(folder).unread(); !fault.empty())
+    if (const auto fault = WorkFolder(folder).read_fault(); !fault.empty())
         return end_with("failed: " + fault, exit_code::input);
     return print(job_status_text(folder, json)), exit_code::done;
 }
@@ -63,7 +63,7 @@ int clean(const CleanArguments& arguments) {
                                   shot.empty() ? std::nullopt : std::optional(shot)};
     if (!older.empty() && !cleaning.older)
         return end_with(fmt::format("--older: '{}' is no age such as 7d, 12h, 30m or 2w", older));
-    if (const auto fault = folder.unread(); !fault.empty())
+    if (const auto fault = folder.read_fault(); !fault.empty())
         return end_with("failed: " + fault, exit_code::input);
     if (const auto fault = folder.fault(); !fault.empty())
         return end_with(fmt::format("cannot clean: {}", fault));

@@ -197,7 +197,7 @@ bool must_solve(const Pipeline& pipeline, const Registry& registry, const RunReq
     const auto to_do = prepared.demands(prepared.schedule());
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         if (to_do[n].computed == 0 || !pipeline.nodes[n].type->growth) continue;
-        auto fault = prepared.cache().unread();
+        auto fault = prepared.cache().read_fault();
         if (!fault.empty()) fault += "; make it readable, or name another work folder with --work";
         else if (request.options.cache) fault = prepared.fault_of_contents();
         if (!fault.empty())

@@ -51,9 +51,10 @@ double cached_share(const std::string& path, std::size_t bytes) {
 
 /// Advises until the system holds that share of a file. The system may pass over an advice when
 /// it is busy, so this asks again, for 10 s.
-bool advice_leads_to(const std::string& path, InputFile::Use use, double share, std::size_t bytes) {
+bool advice_leads_to(const std::string& path, InputFile::Advice advice, double share,
+                     std::size_t bytes) {
     for (int n = 0; n < 100; ++n) {
-        InputFile(path, {.what = "a song"}).advise(use);
+        InputFile(path, {.what = "a song"}).advise(advice);
         std::this_thread::sleep_for(std::chrono::milliseconds(n == 0 ? 10 : 100));
         if (cached_share(path, bytes) == share) return true;
     }
@@ -142,7 +143,7 @@ TEST_CASE("the system reads a file ahead, or drops it, as it is advised") {
         WARN("the scratch folder lies in memory: nothing to see");
         return;
     }
-    CHECK(advice_leads_to(path, InputFile::Use::over, 0, bytes));
-    CHECK(advice_leads_to(path, InputFile::Use::soon, 1, bytes));
-    CHECK(advice_leads_to(path, InputFile::Use::over, 0, bytes));
+    CHECK(advice_leads_to(path, InputFile::Advice::over, 0, bytes));
+    CHECK(advice_leads_to(path, InputFile::Advice::soon, 1, bytes));
+    CHECK(advice_leads_to(path, InputFile::Advice::over, 0, bytes));
 }

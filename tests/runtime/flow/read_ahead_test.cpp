@@ -17,13 +17,13 @@ namespace {
 
 using Files = std::vector<std::string>;
 
-/// What the system was told, in order.
+/// What the system was advised, in order.
 class Told {
 public:
-    ReadAhead::Tell tell() {
-        return [this](const std::string& path, InputFile::Use use) {
+    ReadAhead::Advise advise() {
+        return [this](const std::string& path, InputFile::Advice advice) {
             const std::lock_guard lock(mutex_);
-            (use == InputFile::Use::soon ? soon_ : over_).push_back(path);
+            (advice == InputFile::Advice::soon ? soon_ : over_).push_back(path);
             changed_.notify_all();
         };
     }
@@ -54,7 +54,7 @@ const std::string there = "CMakeLists.txt";
 TEST_CASE("files of the next frames are read before these begin, and none farther ahead") {
     Told told;
     ReadAhead ahead({{{"a"}, {"b", "c"}, {"d"}, {"e", "f"}, {"g"}}, {{}, {}, {}, {}, {}}}, 2, much,
-                    told.tell());
+                    told.advise());
     ahead.begin(0);
     CHECK(told.soon(4) == Files{"a", "b", "c", "d"});
     ahead.begin(1);
@@ -65,7 +65,7 @@ TEST_CASE("files of the next frames are read before these begin, and none farthe
 
 TEST_CASE("files that are larger than memory are dropped once no later frame reads them") {
     Told told;
-    ReadAhead ahead({{{there, "b"}, {"b"}, {"c"}}, {{}, {}, {}}}, 3, none, told.tell());
+    ReadAhead ahead({{{there, "b"}, {"b"}, {"c"}}, {{}, {}, {}}}, 3, none, told.advise());
     ahead.begin(0);
     CHECK(told.soon(4) == Files{there, "b", "b", "c"});
     ahead.end(0);
@@ -78,7 +78,7 @@ TEST_CASE("files that are larger than memory are dropped once no later frame rea
 
 TEST_CASE("written files are dropped, too, and again while they may not be on the disk") {
     Told told;
-    ReadAhead ahead({{{there}, {there}, {there}}, {{"w"}, {}, {"x"}}}, 1, none, told.tell());
+    ReadAhead ahead({{{there}, {there}, {there}}, {{"w"}, {}, {"x"}}}, 1, none, told.advise());
     ahead.end(0);
     CHECK(told.over(1) == Files{"w"});
     ahead.end(1);
@@ -89,7 +89,7 @@ TEST_CASE("written files are dropped, too, and again while they may not be on th
 
 TEST_CASE("files of frames that are done are not read ahead again") {
     Told told;
-    ReadAhead ahead({{{"a"}, {"b"}, {"c"}}, {{}, {}, {}}}, 0, much, told.tell());
+    ReadAhead ahead({{{"a"}, {"b"}, {"c"}}, {{}, {}, {}}}, 0, much, told.advise());
     ahead.end(1);
     ahead.begin(2);
     CHECK(told.soon(1) == Files{"c"});
@@ -97,14 +97,14 @@ TEST_CASE("files of frames that are done are not read ahead again") {
 
 TEST_CASE("nothing is read ahead where frames read no files") {
     Told told;
-    ReadAhead ahead({{{}, {}}, {{}, {}}}, 3, none, told.tell());
+    ReadAhead ahead({{{}, {}}, {{}, {}}}, 3, none, told.advise());
     ahead.begin(0);
     ahead.end(0);
-    ReadAhead empty({}, 3, none, told.tell());
+    ReadAhead empty({}, 3, none, told.advise());
     CHECK(told.soon(0).empty());
 }
 
 TEST_CASE("a file that can't be opened stops no reading ahead") {
-    CHECK_NOTHROW(ReadAhead::tell_system("/none/such", InputFile::Use::soon));
-    CHECK_NOTHROW(ReadAhead::tell_system("/none/such", InputFile::Use::over));
+    CHECK_NOTHROW(ReadAhead::advise_system("/none/such", InputFile::Advice::soon));
+    CHECK_NOTHROW(ReadAhead::advise_system("/none/such", InputFile::Advice::over));
 }

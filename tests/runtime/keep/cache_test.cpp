@@ -196,7 +196,7 @@ TEST_CASE("small entries lie many to a file, a large one in its own, and all are
     Cache later(registry, scratch.path());
     for (int n = 0; n <= 200; ++n) {
         CHECK(later.look(key_of(n)));
-        CHECK(later.whole(key_of(n)));
+        CHECK(later.intact(key_of(n)));
         CHECK(value_of(later.load(key_of(n))->outputs.at(0)) == n);
     }
     CHECK_FALSE(later.look(key_of(201)));
