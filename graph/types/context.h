@@ -30,7 +30,7 @@ public:
                             const nlohmann::ordered_json& /*entry*/) {}
         virtual void tell(const std::string& /*line*/) {}
         virtual void progress(double /*fraction*/) {}
-        virtual void hold(const Payload& /*result*/) {}
+        virtual void checkpoint(const Payload& /*result*/) {}
         virtual Provenance provenance() const { return {}; }
     };
 
@@ -60,7 +60,7 @@ public:
     void progress(double fraction) const { host_->progress(fraction); }
     /// Saves the finished part of a growing result (Growth), so that it is not lost if the run is
     /// killed.
-    void hold(const Payload& result) const { host_->hold(result); }
+    void checkpoint(const Payload& result) const { host_->checkpoint(result); }
     /// Shows a warning at the end of the run and adds it to the report, once per node and text.
     void warn(const std::string& message) const { host_->warn(message); }
     /// The same, but shown at once: for faults that make long work ahead useless.

@@ -110,7 +110,7 @@ void SeamNode::solve(const Params& stated, Ports& io, Context& context, const Fi
         if (before_.seams) before_ = before_.first(static_cast<std::size_t>(task.count));
         found = solve_task(energy,
                            {task, space, empty, before_, gathered_.marks(), find, start_from,
-                            params.bound_passes, hold_after_, params.best_effort, thick},
+                            params.bound_passes, checkpoint_after_, params.best_effort, thick},
                            context);
     }
     if (task.count < task.asked && !falls_short(found.report))

@@ -91,8 +91,8 @@ protected:
     void solve(const Params& params, Ports& io, Context& context, const FindSeam& find,
                const StartFrom& start_from = nullptr);
 
-    /// Shortest time between two calls of Context::hold.
-    std::chrono::milliseconds hold_after_ = std::chrono::seconds(5);
+    /// Shortest time between two calls of Context::checkpoint.
+    std::chrono::milliseconds checkpoint_after_ = std::chrono::seconds(5);
 
 private:
     GatheredEnergy gathered_;

@@ -15,7 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A running search: its progress, and the time of the last Context::hold.
+/// A running search: its progress, and the time of the last Context::checkpoint.
 class TaskSearch {
 public:
     TaskSearch(EnergyVolume& energy, const SearchSetup& setup, const Context& context)
@@ -67,7 +67,7 @@ private:
         options.found = [&](const FoundSeams& now) {
             // After the last seam, the whole set is delivered anyway.
             if (part.pair || now.seams.size() < static_cast<std::size_t>(count))
-                hold(now, part, pairs);
+                checkpoint(now, part, pairs);
         };
         options.best_effort = setup_.best_effort;
         options.thick = setup_.thick;
@@ -81,12 +81,12 @@ private:
     }
 
     /// Delivers the seams found so far as a complete set.
-    void hold(const FoundSeams& now, const SeamPart& part, const FoundSeams& pairs) {
-        if (Clock::now() - held_ < setup_.hold_after) return;
+    void checkpoint(const FoundSeams& now, const SeamPart& part, const FoundSeams& pairs) {
+        if (Clock::now() - last_checkpoint_ < setup_.checkpoint_after) return;
         const auto so_far = part.pair ? only_pairs(now) : whole(now, pairs);
         context_.report("seams", so_far.report);
-        context_.hold(Payload(so_far.seams));
-        held_ = Clock::now();
+        context_.checkpoint(Payload(so_far.seams));
+        last_checkpoint_ = Clock::now();
     }
 
     /// The set while its second seams are searched. These come first, so there may be more of them
@@ -122,7 +122,7 @@ private:
     const Context& context_;
     const PartFinder parts_;
     double done_ = 0;  ///< share of the work, 0 to 1
-    Clock::time_point held_ = Clock::now();
+    Clock::time_point last_checkpoint_ = Clock::now();
 };
 
 }  // namespace

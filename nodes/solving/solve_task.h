@@ -24,14 +24,15 @@ struct SearchSetup {
     const StartFrom& start_from;
     std::optional<int> bound_passes;  ///< passes of lower_bound(); nothing: as few as possible,
                                       ///< and in large energies only for the first seam
-    std::chrono::milliseconds hold_after;  ///< shortest time between two calls of Context::hold
+    /// Shortest time between two calls of Context::checkpoint.
+    std::chrono::milliseconds checkpoint_after;
     /// Accept fewer seams than the task wants, if no more are possible.
     bool best_effort = false;
     std::optional<Thick> thick = {};  ///< nothing: seams are thin
 };
 
 /// Finds all seams of a task; with `best_effort` perhaps fewer, and the report says why. Meanwhile
-/// passes the seams found so far, with their report, to Context::hold.
+/// passes the seams found so far, with their report, to Context::checkpoint.
 /// @param energy  is consumed
 /// @throws Failure saying why no more seams are possible; as find_seams()
 ReportedSeams solve_task(EnergyVolume& energy, const SearchSetup& setup, const Context& context);

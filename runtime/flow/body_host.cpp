@@ -37,16 +37,16 @@ void BodyHost::progress(double share) {
     setup_.events.advanced(node, share, seconds());
 }
 
-void BodyHost::hold(const Payload& result) {
+void BodyHost::checkpoint(const Payload& result) {
     const std::lock_guard lock(mutex_);
     const auto begin = Clock::now();
-    if (!grows_ || begin < next_hold_) return;
+    if (!grows_ || begin < next_checkpoint_) return;
     const auto event = setup_.events.event("keep", node, std::nullopt);
     setup_.store.keep_grown(node, 0, result, log, true);
     grew(of().type->growth->item_count(result));
     // Wait ten times as long as the write took, so that writing takes at most a tenth of the time.
     constexpr int pauses = 10;
-    next_hold_ = Clock::now() + pauses * (Clock::now() - begin);
+    next_checkpoint_ = Clock::now() + pauses * (Clock::now() - begin);
 }
 
 void BodyHost::grew(const ItemCount& items) {

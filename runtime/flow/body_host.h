@@ -28,7 +28,7 @@ public:
     /// Share of its work that the body last said is done, 0 to 1.
     double share() const { return share_; }
 
-    /// From now on, `hold` caches what the body has found of its growing result.
+    /// From now on, `checkpoint` caches what the body has found of its growing result.
     void grows() { grows_ = true; }
     /// The body goes on from what an earlier run found.
     void goes_on_from(const ItemCount& before) { grew(before_ = before); }
@@ -42,7 +42,7 @@ public:
     void report(const std::string& section, const nlohmann::ordered_json& entry) override;
     Provenance provenance() const override { return provenance_.of(node); }
     void progress(double share) override;
-    void hold(const Payload& result) override;
+    void checkpoint(const Payload& result) override;
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -58,7 +58,7 @@ private:
     std::mutex mutex_;
     bool grows_ = false;
     ItemCount before_{}, found_{};  ///< of a growing result: by an earlier run, and so far
-    Clock::time_point next_hold_{};
+    Clock::time_point next_checkpoint_{};
 };
 
 }  // namespace fluidcarve

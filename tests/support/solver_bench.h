@@ -37,10 +37,12 @@ struct Listener : Context::Host {
     nlohmann::ordered_json entry;
     std::vector<std::string> warnings;
     /// With what was reported of each.
-    std::vector<std::pair<Ref<Seams>, nlohmann::ordered_json>> held;
+    std::vector<std::pair<Ref<Seams>, nlohmann::ordered_json>> checkpoints;
     void warn(const std::string& message) override { warnings.push_back(message); }
     void report(const std::string&, const nlohmann::ordered_json& json) override { entry = json; }
-    void hold(const Payload& result) override { held.emplace_back(result.as<Seams>(), entry); }
+    void checkpoint(const Payload& result) override {
+        checkpoints.emplace_back(result.as<Seams>(), entry);
+    }
 };
 
 struct Solved {

@@ -234,7 +234,7 @@ struct Top {
             found += fmt::format("{} ", numbers.at(n) + params.offset);
             io.top = std::make_shared<Text>(Text{found});
             context.report("tops", {{"steps", steps(*io.top)}});
-            context.hold(Payload(std::make_shared<Text>(Text{found})));
+            context.checkpoint(Payload(std::make_shared<Text>(Text{found})));
         }
         if (!io.top) io.top = std::make_shared<Text>(Text{found});
         context.report("tops", {{"steps", steps(*io.top)}});

@@ -124,7 +124,7 @@ const Growth& growth_of(const Task& task) {
 
 /// Holds what is there after each seam.
 struct Eager : SeamNode {
-    Eager() { hold_after_ = std::chrono::milliseconds(0); }
+    Eager() { checkpoint_after_ = std::chrono::milliseconds(0); }
     void finish(const Params& params, Ports& io, Context& context) {
         solve(params, io, context,
               [](const EnergyVolume& energy, Window window, int number, const Tick& tick) {
@@ -308,9 +308,9 @@ TEST_CASE("a solver hands over what it has found while it looks for more") {
                             box(shape), masks};
             const bool paired = params.find("pair") != std::string::npos;
             const auto all = solve(task, sign * 4);
-            REQUIRE(all.listener.held.size() == (paired ? 7 : 3));
-            for (std::size_t n = 0; n < all.listener.held.size(); ++n) {
-                const auto& [part, reported] = all.listener.held[n];
+            REQUIRE(all.listener.checkpoints.size() == (paired ? 7 : 3));
+            for (std::size_t n = 0; n < all.listener.checkpoints.size(); ++n) {
+                const auto& [part, reported] = all.listener.checkpoints[n];
                 // All pairs come before the first seam of the window.
                 CHECK(part->pairs.size() == (paired ? std::min<std::size_t>(n + 1, 4) : 0));
                 CHECK(part->seams.size() == (paired ? std::max<std::size_t>(n, 3) - 3 : n + 1));
@@ -335,7 +335,7 @@ TEST_CASE("a solver hands over what it has found while it looks for more") {
             const auto two = solve(task, sign * 2);
             const auto resumed = go_on(task, sign * 4, two.seams, two.listener.entry);
             require_same_bounds(*resumed.seams, *all.seams);
-            for (const auto& [part, reported] : resumed.listener.held) {
+            for (const auto& [part, reported] : resumed.listener.checkpoints) {
                 CHECK(part->seams.size() >= 2);
                 CHECK(reported.at("energy").size() == part->seams.size());
                 require_same_bounds(*go_on(task, sign * 4, part, reported).seams, *all.seams);

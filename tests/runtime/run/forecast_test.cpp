@@ -36,7 +36,7 @@ struct Dig {
             std::this_thread::sleep_for(std::chrono::milliseconds(params.slow_ms));
             found += "|";
             if (stop_at_seven && found.size() == 7) {
-                context.hold(Payload(std::make_shared<toy::Text>(toy::Text{found})));
+                context.checkpoint(Payload(std::make_shared<toy::Text>(toy::Text{found})));
                 stopped = true;
             }
             context.check_cancelled();
