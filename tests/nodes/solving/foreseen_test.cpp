@@ -59,9 +59,9 @@ TEST_CASE("where lattice and energy lie plays no part if no seams are wanted") {
 TEST_CASE("solvers say before a run what a lattice of known form has no room for") {
     const auto faults = [](NodeType type, const std::string& yaml, const OutputFacts& lattice,
                            const std::string& other = {}) {
-        NodeBench::Told told{{"lattice", {lattice}}};
-        if (!other.empty()) told[other] = {{}};
-        return NodeBench(std::move(type), yaml).foresee({}, told).faults;
+        NodeBench::Received received{{"lattice", {lattice}}};
+        if (!other.empty()) received[other] = {{}};
+        return NodeBench(std::move(type), yaml).foresee({}, received).faults;
     };
     const std::vector<std::string> none,
         leaves{"window [20, 30] leaves the lattice, which has 24 vertices along u: 0 to 23"};
