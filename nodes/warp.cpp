@@ -61,7 +61,7 @@ WarpAmount amount_left(const WarpParams& params, WarpAmount amount, const Carved
     if (!params.rest) return amount;
     const auto axis = dimension(params.axis);
     const int before = space.lattices().front()->shape[axis], now = space.shape()[axis];
-    amount.whole = {amount.whole.exactly(before) - (now - before), false};
+    amount.constant = {amount.constant.exactly(before) - (now - before), false};
     return amount;
 }
 
@@ -154,7 +154,7 @@ struct WarpSolve {
         const int size = shape[dimension(params.axis)];
         const bool found_before =
             before_ && before_->warp && !before_->warp->linear() && !amount.varies() &&
-            entry_.value("amount", 0.0) == in_steps(amount.whole.exactly(size));
+            entry_.value("amount", 0.0) == in_steps(amount.constant.exactly(size));
         auto set = found_before ? *before_ : empty_warp(params, space);
         auto report = entry_;
         if (!found_before) {
@@ -174,7 +174,8 @@ struct WarpSolve {
         if (!params.amount) return "of a file";
         if (params.rest) return "rest of " + to_text(*params.amount);
         if (one_of_a_kind(*params.amount)) return to_text(*params.amount);
-        return params.pair_window ? params.amount->whole.value < 0 ? "squeezes" : "draws out" : "";
+        return params.pair_window ? params.amount->constant.value < 0 ? "squeezes" : "draws out"
+                                  : "";
     }
     static ItemCount item_count(const Payload& result) {
         const auto set = result.as<Seams>();
@@ -189,8 +190,9 @@ struct WarpSolve {
         if (states_nothing(params)) return Reach::nothing;
         return !params.amount || one_of_a_kind(*params.amount) || params.rest
                    ? Reach::one_amount
-                   : Reach::of(in_steps(params.amount->whole.exactly(static_cast<int>(vertices))),
-                               params.pair_window.has_value());
+                   : Reach::of(
+                         in_steps(params.amount->constant.exactly(static_cast<int>(vertices))),
+                         params.pair_window.has_value());
     }
     static Payload first(const Payload& result, std::size_t count, Json& entry) {
         const auto set = std::make_shared<Seams>(*result.as<Seams>());

@@ -23,7 +23,7 @@ double linear(const std::vector<Point>& points, double place, const Get& value) 
 }  // namespace
 
 bool WarpAmount::nothing() const {
-    if (!varies()) return whole.value == 0;
+    if (!varies()) return constant.value == 0;
     const auto none = [](const std::vector<Point>& curve) {
         return std::ranges::all_of(curve,
                                    [](const Point& point) { return point.amount.value == 0; });
@@ -37,7 +37,7 @@ bool WarpAmount::nothing() const {
 WarpAmount WarpAmount::in_vertices(double size) const {
     auto out = *this;
     const auto count = [size](Count& amount) { amount = {amount.exactly(size), false}; };
-    count(out.whole);
+    count(out.constant);
     for (auto& point : out.points) count(point.amount);
     for (auto& section : out.sections)
         for (auto& point : section.points) count(point.amount);
@@ -46,14 +46,14 @@ WarpAmount WarpAmount::in_vertices(double size) const {
 
 bool WarpAmount::has_percent() const {
     const auto percent = [](const Point& point) { return point.amount.percent; };
-    return whole.percent || std::ranges::any_of(points, percent) ||
+    return constant.percent || std::ranges::any_of(points, percent) ||
            std::ranges::any_of(sections, [&](const Section& section) {
                return std::ranges::any_of(section.points, percent);
            });
 }
 
 double WarpAmount::at(double w, double frame, int size) const {
-    if (!varies()) return whole.exactly(size);
+    if (!varies()) return constant.exactly(size);
     const auto each = [size](const Point& point) { return point.amount.exactly(size); };
     if (!sections.empty())
         return linear(sections, frame,
@@ -66,7 +66,7 @@ double WarpAmount::at(double w, double frame, int size) const {
 }
 
 std::string to_text(const WarpAmount& amount) {
-    if (!amount.varies()) return to_text(amount.whole);
+    if (!amount.varies()) return to_text(amount.constant);
     std::vector<std::string> points, shares;
     for (const auto& point : amount.points)
         points.push_back(fmt::format("[{}, {}]", point.at, to_text(point.amount)));

@@ -32,7 +32,7 @@ struct WarpAmount {
     /// The least distance between the places of two points.
     static constexpr double least_step = 1e-6;
 
-    Count whole;             ///< the amount without a curve
+    Count constant;          ///< the amount everywhere, if there is no curve
     Along along = Along::w;  ///< of `points`
     /// Points of a curve, rising; linear between them, constant beyond; empty: no curve.
     std::vector<Point> points;

@@ -83,7 +83,7 @@ double FileText::any_number(std::string_view word) const {
     return *out;
 }
 
-long FileText::whole(std::string_view word) const {
+long FileText::whole_number(std::string_view word) const {
     const auto out = number_of_word<long>(word);
     if (!out) fault(fmt::format("{} is no whole number", quoted(word)));
     return *out;

@@ -59,7 +59,7 @@ public:
     /// The same, but accepts inf and nan. @throws Failure if the word is not a number
     double any_number(std::string_view word) const;
     /// @throws Failure if the word is not a whole number
-    long whole(std::string_view word) const;
+    long whole_number(std::string_view word) const;
 
     /// @throws Failure (input) naming file and line
     [[noreturn]] void fault(const std::string& message) const { fault_at(number_, message); }

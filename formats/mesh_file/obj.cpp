@@ -116,7 +116,7 @@ private:
 
     /// The index from 0 of an entry, which may follow later.
     std::uint32_t index(std::string_view word, std::size_t size) const {
-        const auto out = obj_index(file_.whole(word), size);
+        const auto out = obj_index(file_.whole_number(word), size);
         if (!out || *out >= Attribute::none)
             file_.fault(fmt::format("{} is none of the {} above", quoted(word), size));
         return static_cast<std::uint32_t>(*out);
@@ -148,11 +148,11 @@ private:
         for (auto word = file_.word('#'); !word.empty(); word = file_.word('#')) {
             const auto slash = word.find('/');
             const auto vertex = word.substr(0, slash);
-            if (file_.whole(vertex) < 0)
+            if (file_.whole_number(vertex) < 0)
                 file_.fault(fmt::format(
                     "{} counts back from the last vertex, which can't be kept in lines and points",
                     quoted(vertex)));
-            if (slash != std::string_view::npos && file_.whole(word.substr(slash + 1)) < 0)
+            if (slash != std::string_view::npos && file_.whole_number(word.substr(slash + 1)) < 0)
                 file_.fault(
                     fmt::format("{} counts back from the last UV, which can't be kept in lines",
                                 quoted(word.substr(slash + 1))));

@@ -50,7 +50,7 @@ Head read_head(FileText& file) {
     const auto count = [&] {
         const auto word = glued.empty() ? word_behind_comments(file) : std::exchange(glued, {});
         if (word == "BINARY") file.fault("binary OFF can't be read; export it as text");
-        const long number = file.whole(word);
+        const long number = file.whole_number(word);
         if (number < 0) file.fault(fmt::format("{} is no count", quoted(word)));
         return static_cast<std::size_t>(number);
     };

@@ -103,7 +103,7 @@ private:
         if (statement.kind == Kind::format && statement.wrong)
             file_.fault(fmt::format("{} is no format of PLY", quoted(*statement.wrong)));
         if (statement.kind == Kind::element && statement.wrong) {
-            file_.whole(*statement.wrong);
+            file_.whole_number(*statement.wrong);
             file_.fault(fmt::format("{} is no count", quoted(*statement.wrong)));
         }
         if (statement.kind != Kind::property) return;

@@ -13,8 +13,8 @@ namespace fluidcarve {
 
 /// How much a growing result holds.
 struct ItemCount {
-    std::size_t count = 0;  ///< items, such as seams
-    std::size_t whole = 0;  ///< 100 % of a count given as a percentage
+    std::size_t count = 0;      ///< items, such as seams
+    std::size_t all_items = 0;  ///< 100 % of a count given as a percentage
 };
 
 /// A result that can be cut to a smaller count of items, or continued to a larger one. Example: the
@@ -25,8 +25,8 @@ struct Growth {
     /// The part of that parameter that belongs to the cache key, as text.
     std::function<std::string(const void* params)> rest;
     std::function<ItemCount(const Payload& result)> item_count;  ///< of a result
-    /// The wanted count. @param whole  as ItemCount::whole
-    std::function<std::size_t(const void* params, std::size_t whole)> wanted;
+    /// The wanted count. @param all_items  as ItemCount::all_items
+    std::function<std::size_t(const void* params, std::size_t all_items)> wanted;
     /// The first `count` items of a result. Changes `entry`, the report entry of the whole result,
     /// to that of the cut one.
     std::function<Payload(const Payload& result, std::size_t count, nlohmann::ordered_json& entry)>

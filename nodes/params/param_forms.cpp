@@ -236,7 +236,7 @@ std::optional<WarpAmount> ParamTraits<WarpAmount>::parse(const Value& value, Val
     const auto amount = parse_amount(value, reader);
     if (!amount) return std::nullopt;
     WarpAmount out;
-    out.whole = *amount;
+    out.constant = *amount;
     return out;
 }
 

@@ -12,7 +12,7 @@ void BodyHost::count_items(const Payload* result, CostSetting& at) {
     if (result) found_ = growth->item_count(*result);
     const auto all = result ? found_.count : wanted();
     at.items = all > before_.count ? all - before_.count : 0;
-    at.all_items = found_.whole;
+    at.all_items = found_.all_items;
 }
 
 void BodyHost::warn(const std::string& message) {
@@ -55,7 +55,7 @@ void BodyHost::grew(const ItemCount& items) {
 }
 
 std::size_t BodyHost::wanted() const {
-    return of().type->growth->wanted(of().params.get(), found_.whole);
+    return of().type->growth->wanted(of().params.get(), found_.all_items);
 }
 
 }  // namespace fluidcarve

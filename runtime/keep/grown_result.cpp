@@ -9,7 +9,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::size_t wanted_by(const Node& node, const ItemCount& items) {
-    return node.type->growth->wanted(node.params.get(), items.whole);
+    return node.type->growth->wanted(node.params.get(), items.all_items);
 }
 
 }  // namespace
@@ -26,7 +26,7 @@ std::optional<GrownResult> GrownResult::in(const Json& header) {
 
 void GrownResult::describe(Json& header) const {
     header["size"] = bytes;
-    header["extent"] = {{"count", items.count}, {"of", items.whole}};
+    header["extent"] = {{"count", items.count}, {"of", items.all_items}};
     if (part) header["part"] = true;
     if (exhausted) header["exhausted"] = true;
 }

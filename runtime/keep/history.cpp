@@ -176,8 +176,9 @@ std::string goes_on(const Node& node, const std::optional<GrownResult>& grown) {
     if (!grown || grown->enough_for(node)) return {};
     const auto& growth = *node.type->growth;
     if (grown->items.count == 0) return "goes on where it was stopped";
-    return fmt::format("goes on from {} of {}", grown->items.count,
-                       counted(growth.wanted(node.params.get(), grown->items.whole), growth.item));
+    return fmt::format(
+        "goes on from {} of {}", grown->items.count,
+        counted(growth.wanted(node.params.get(), grown->items.all_items), growth.item));
 }
 
 const std::array<std::pair<Work, const char*>, work_kinds> names_of_work{

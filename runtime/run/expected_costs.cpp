@@ -6,12 +6,12 @@ namespace fluidcarve {
 namespace {
 
 /// Items that a growing result lacks.
-/// @param measured  from an earlier run; gives ItemCount::whole if nothing is kept
+/// @param measured  from an earlier run; gives ItemCount::all_items if nothing is kept
 std::size_t items_to_find(const Node& node, const std::optional<GrownResult>& kept,
                           const std::optional<WorkTime>& measured) {
     if (!node.type->growth) return 0;
     const auto wanted =
-        node.type->growth->wanted(node.params.get(), kept       ? kept->items.whole
+        node.type->growth->wanted(node.params.get(), kept       ? kept->items.all_items
                                                      : measured ? measured->at.all_items
                                                                 : 0);
     const auto found = kept ? kept->items.count : 0;

@@ -19,7 +19,7 @@ struct CostSetting {
     std::uint64_t input_bytes = 0;  ///< memory of a frame, as the readers estimate it
     std::size_t gathered = 0;       ///< frames that a gathering node had consumed
     std::size_t items = 0;          ///< items of a growing result (Growth) that were found
-    std::size_t all_items = 0;      ///< 100 % of a count of items (ItemCount::whole)
+    std::size_t all_items = 0;      ///< 100 % of a count of items (ItemCount::all_items)
 };
 
 /// A measured time, with its setting.

@@ -261,7 +261,7 @@ TEST_CASE(
             REQUIRE(all.seams->seams.size() == static_cast<std::size_t>(most));
             const auto& growth = growth_of(task);
             CHECK(growth.item_count(Payload(all.seams)).count == static_cast<std::size_t>(most));
-            CHECK(growth.item_count(Payload(all.seams)).whole ==
+            CHECK(growth.item_count(Payload(all.seams)).all_items ==
                   static_cast<std::size_t>(all.seams->before()));
             for (const int count : task.counts) {
                 INFO(task.name << ", " << sign * count << " of " << sign * most);

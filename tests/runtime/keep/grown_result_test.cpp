@@ -53,7 +53,7 @@ TEST_CASE("a header says how much of a growing result there is") {
     const auto read = GrownResult::in(header);
     REQUIRE(read);
     CHECK(read->items.count == 3);
-    CHECK(read->items.whole == 7);
+    CHECK(read->items.all_items == 7);
     CHECK(read->bytes == 50);
     CHECK(read->part);
     CHECK(!read->exhausted);
