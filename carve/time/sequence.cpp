@@ -24,9 +24,7 @@ void Sequence::add(const Volume& source, const Ref<VectorGrid>& velocity, int nu
     if (velocity) frame.grids.push_back(velocity);
     frames_.add(std::make_shared<Volume>(std::move(frame)), number, limits);
     for (const auto& grid : source.grids)
-        if (grid.header().isType<FloatGrid>())
-            box_.expand(grid.pixels() ? grid.pixels()->box
-                                      : grid.header().evalActiveVoxelBoundingBox());
+        if (grid.header().isType<FloatGrid>()) box_.expand(grid.active_box());
     has_velocity_ = velocity != nullptr;
 }
 

@@ -70,6 +70,10 @@ openvdb::GridBase::ConstPtr VolumeGrid::grid() const {
     return tree_of<openvdb::FloatGrid>(*grid_, *pixels_);
 }
 
+CoordBBox VolumeGrid::active_box() const {
+    return pixels_ ? pixels_->box : grid_->evalActiveVoxelBoundingBox();
+}
+
 VolumeGrid VolumeGrid::holding(const openvdb::GridBase::ConstPtr& changed) const {
     VolumeGrid out(changed);
     if (!pixels_) return out;

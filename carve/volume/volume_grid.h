@@ -51,6 +51,8 @@ public:
     explicit operator bool() const { return grid_ != nullptr; }
     /// Null if the grid is a tree.
     const ChannelPixels* pixels() const { return pixels_.get(); }
+    /// Box around the active voxels, index coordinates; empty if there are none. Makes no tree.
+    openvdb::CoordBBox active_box() const;
     /// A changed grid, held as this one is: as pixels if this is so, and the grid's active voxels
     /// fill a rectangle of one z.
     VolumeGrid holding(const openvdb::GridBase::ConstPtr& changed) const;

@@ -67,7 +67,7 @@ std::optional<PictureScene> picture_in(const Volume& volume, const FloatGrid::Co
 openvdb::CoordBBox PictureScene::box() const {
     openvdb::CoordBBox out;
     for (const auto& each : channels) {
-        const auto active = each.pixels() ? each.pixels()->box : each->evalActiveVoxelBoundingBox();
+        const auto active = each.active_box();
         if (!active.empty()) out.expand(active);
     }
     return out;

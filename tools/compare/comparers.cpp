@@ -96,9 +96,8 @@ GridFile image_file(const Volume& volume) {
 }
 
 std::string size_of_picture(const Volume& volume) {
-    const auto size = volume.grids.empty()
-                          ? openvdb::Coord()
-                          : volume.grids.front()->evalActiveVoxelBoundingBox().dim();
+    const auto size =
+        volume.grids.empty() ? openvdb::Coord() : volume.grids.front().active_box().dim();
     return fmt::format("{} x {}", size.x(), size.y());
 }
 

@@ -1,5 +1,5 @@
-#include "carve/stream/volume_stream.h"
 #include "formats/image/image_volume.h"
+#include "carve/stream/volume_stream.h"
 #include "tests/support/grid_bytes.h"
 
 #include <catch2/catch.hpp>
@@ -57,6 +57,7 @@ TEST_CASE(
     CHECK(test::difference(*plane.grid(), *by_voxel(plane)).empty());
     CHECK(plane.name() == "Z");
     CHECK(plane.bytes() == stored.volume() * sizeof(float));
+    CHECK(plane.active_box() == plane.grid()->evalActiveVoxelBoundingBox());
 
     const auto numbers = held(openvdb::Int32Grid::create(0));
     CHECK(static_cast<const openvdb::Int32Grid&>(*numbers.grid()).tree().getValue({1, 19, 6}) ==
