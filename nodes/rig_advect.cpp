@@ -87,7 +87,7 @@ public:
         const double voxel = shortest_edge(io.velocity->transform());
         apart_ = params.apart.value_or(voxel);
         sets_.push_back(
-            {context.place(), points_in_ball(seed_of(params), params.radius, params.count)});
+            {context.t(), points_in_ball(seed_of(params), params.radius, params.count)});
         if (params.animate) {
             streaklines_.push_back(streakline());
             forget(params.length);
@@ -117,7 +117,7 @@ public:
     }
 
     void run(const Params& params, Ports& io, Context& context) const {
-        if (params.animate) io.rig = rigs_.at(context.place());
+        if (params.animate) io.rig = rigs_.at(context.t());
     }
 
 private:
@@ -128,7 +128,7 @@ private:
 
     static double frames_until_next(const Context& context) {
         const auto& frames = context.frames();
-        const auto t = context.place();
+        const auto t = context.t();
         if (frames.size() < 2) return 1;
         const auto from = t + 1 < frames.size() ? t : t - 1;
         return static_cast<double>(frames[from + 1]) - frames[from];

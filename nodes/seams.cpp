@@ -45,7 +45,7 @@ struct Choose {
         const auto all = context.frames().size(), shown = std::min(all, most_frames);
         // The middle frame of each of `shown` equal parts.
         for (std::size_t n = 0; n < shown; ++n)
-            if ((2 * n + 1) * all / (2 * shown) == context.place()) return true;
+            if ((2 * n + 1) * all / (2 * shown) == context.t()) return true;
         return false;
     }
 

@@ -70,7 +70,7 @@ struct UsdWrite {
     /// One frame tells which grids there are. So a part of the frames gives the same file as all
     /// of them.
     static bool wants(const Params&, const Context& context) {
-        return context.place() == typical_place(context.frames().size());
+        return context.t() == typical_place(context.frames().size());
     }
 
     void add(const Params& params, const Ports& io, Context& context) {

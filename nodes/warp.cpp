@@ -106,13 +106,13 @@ struct WarpSolve {
                                                Context& context) {
         // The first frame shows faults before all others are read. The space after other seams is
         // known only later.
-        if (context.place() == 0 && io.after.empty() && !states_nothing(params)) {
+        if (context.t() == 0 && io.after.empty() && !states_nothing(params)) {
             // Percentages of the content are known only after all frames.
             const auto stated = amount_of(params);
             require_fits(params, io.content ? stated.in_vertices(0) : stated, io.lattice->shape,
                          io.lattice->closed, context.frames(), "");
         }
-        if (context.place() == 0 && !states_nothing(params))
+        if (context.t() == 0 && !states_nothing(params))
             require_ends(gathering_params(params), io.lattice->form());
         const auto grids = grids_of(io);
         require_frame_fits(grids, *io.lattice, context.limits().memory);
@@ -124,8 +124,7 @@ struct WarpSolve {
 
     void add(const Params& params, const Ref<FrameEnergy>& frame, Context& context) {
         gathered_.add(gathering_params(params), *frame,
-                      {context.frame(), context.place(), context.frames().size()},
-                      context.limits());
+                      {context.frame(), context.t(), context.frames().size()}, context.limits());
         if (frame->width.value_or(0) > 0) widths_.push_back(*frame->width);
     }
 

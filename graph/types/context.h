@@ -39,8 +39,8 @@ public:
 
     /// Number of the frame, and its index in `frames()`. In `finish` and in static nodes: those of
     /// the first frame.
-    int frame() const { return place_ < frames_->size() ? (*frames_)[place_] : 1; }
-    std::size_t place() const { return place_; }
+    int frame() const { return t_ < frames_->size() ? (*frames_)[t_] : 1; }
+    std::size_t t() const { return t_; }
     /// Frame numbers of the whole sequence, even if only a part of it is delivered.
     const std::vector<int>& frames() const { return *frames_; }
 
@@ -81,8 +81,8 @@ public:
     /// holds the rest in files.
     const Limits& limits() const { return limits_; }
 
-    Context& at(std::size_t place) {
-        place_ = place;
+    Context& at(std::size_t t) {
+        t_ = t;
         per_frame_ = true;
         return *this;
     }
@@ -98,7 +98,7 @@ public:
 private:
     Host* host_;
     const std::vector<int>* frames_;
-    std::size_t place_ = 0;
+    std::size_t t_ = 0;
     bool per_frame_ = false;
     std::function<bool(std::string_view)> wants_;
     Limits limits_;

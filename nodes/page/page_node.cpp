@@ -58,14 +58,14 @@ struct PreviewPage {
         const auto total = survey.frames().size();
         survey_grids(
             "before", survey,
-            [&](std::size_t place) {
-                return is_shown(place, total, params.frames.value_or(default_frames));
+            [&](std::size_t t) {
+                return is_shown(t, total, params.frames.value_or(default_frames));
             },
             [&](const auto& there) { require_grid("before", *params.grid, there); });
     }
 
     static bool wants(const Params& params, const Context& context) {
-        return is_shown(context.place(), context.frames().size(),
+        return is_shown(context.t(), context.frames().size(),
                         params.frames.value_or(default_frames));
     }
 

@@ -99,17 +99,17 @@ void survey_files(const InputPath& path, Missing missing, Survey& survey,
 }
 
 bool survey_grids(std::string_view input, Survey& survey,
-                  const std::function<bool(std::size_t place)>& wants,
+                  const std::function<bool(std::size_t t)>& wants,
                   const std::function<void(const std::vector<std::string>& names)>& check) {
     const auto& frames = survey.frames();
-    for (std::size_t place = 0; place < frames.size(); ++place) {
-        if (!survey.needs(frames[place]) || !wants(place)) continue;
-        const auto* const known = survey.receives(frames[place], input);
+    for (std::size_t t = 0; t < frames.size(); ++t) {
+        if (!survey.needs(frames[t]) || !wants(t)) continue;
+        const auto* const known = survey.receives(frames[t], input);
         if (!known || !known->grids) continue;
         try {
             check(*known->grids);
         } catch (const Failure& failure) {
-            survey.missing(frames[place], failure.what());
+            survey.missing(frames[t], failure.what());
             return false;
         }
     }

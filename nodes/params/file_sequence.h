@@ -46,7 +46,7 @@ void survey_files(const InputPath& path, Missing missing, Survey& survey,
 /// @param wants  whether the node takes the frame with this index in the sequence
 /// @return whether `check` threw nothing
 bool survey_grids(std::string_view input, Survey& survey,
-                  const std::function<bool(std::size_t place)>& wants,
+                  const std::function<bool(std::size_t t)>& wants,
                   const std::function<void(const std::vector<std::string>& names)>& check);
 
 /// The survey of a node that needs channels of the image that its input `source` takes.

@@ -40,7 +40,7 @@ public:
     };
 
     void run(const Params&, Ports& io, Context& context) const {
-        io.lattice = std::make_shared<Lattice>(built_.at(moves_ ? context.place() : 0).lattice);
+        io.lattice = std::make_shared<Lattice>(built_.at(moves_ ? context.t() : 0).lattice);
     }
 
 protected:

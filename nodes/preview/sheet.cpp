@@ -129,8 +129,7 @@ struct Sheet {
         const auto total = survey.frames().size();
         const auto has = [&](const char* input) {
             return survey_grids(
-                input, survey,
-                [&](std::size_t place) { return is_shown(place, total, params.frames); },
+                input, survey, [&](std::size_t t) { return is_shown(t, total, params.frames); },
                 [&](const auto& there) { require_grid(input, params.grid, there); });
         };
         // A grid missing in `before` is mostly missing in `after`, too.
@@ -138,7 +137,7 @@ struct Sheet {
     }
 
     static bool wants(const Params& params, const Context& context) {
-        return is_shown(context.place(), context.frames().size(), params.frames);
+        return is_shown(context.t(), context.frames().size(), params.frames);
     }
 
     void add(const Params& params, const Ports& io, Context& context) {

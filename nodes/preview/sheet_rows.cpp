@@ -133,27 +133,27 @@ void SheetRows::require_room(const Shown& frame) const {
         }
 }
 
-void SheetRows::slice(std::size_t place, int plane) {
-    auto& frame = frames_[place];
+void SheetRows::slice(std::size_t t, int plane) {
+    auto& frame = frames_[t];
     for (std::size_t row = 0; row < kinds_.size(); ++row)
-        if (kinds_[row].how == Show::slice) panels_[row][place] = panel(kinds_[row], frame, plane);
+        if (kinds_[row].how == Show::slice) panels_[row][t] = panel(kinds_[row], frame, plane);
     frame.data.before = frame.data.after = nullptr;
     frame.data.energy = nullptr;
 }
 
 void SheetRows::render(const std::function<void(double)>& progress) {
-    for (std::size_t place = 0; place < frames_.size(); ++place)
+    for (std::size_t t = 0; t < frames_.size(); ++t)
         for (std::size_t row = 0; row < kinds_.size(); ++row) {
             if (kinds_[row].how != Show::render) continue;
             if (progress)
-                progress(static_cast<double>(place * kinds_.size() + row) /
+                progress(static_cast<double>(t * kinds_.size() + row) /
                          static_cast<double>(frames_.size() * kinds_.size()));
-            auto& data = frames_[place].data;
+            auto& data = frames_[t].data;
             auto& scene =
                 kinds_[row].what == Kind::What::before ? data.before_scene : data.after_scene;
-            if (scene.box().empty()) panels_[row][place].note = "no active voxels";
+            if (scene.box().empty()) panels_[row][t].note = "no active voxels";
             else
-                panels_[row][place].render =
+                panels_[row][t].render =
                     fluidcarve::render(scene, request_.view, scenes_, exposure_);
             scene = {};
         }
@@ -244,7 +244,7 @@ SheetPage SheetRows::page(std::size_t total, const std::function<void(double)>& 
     const int plane = request_.slice ? *request_.slice : static_cast<int>(std::floor(middle));
     const auto count = frames_.size();
     if (!request_.slice)
-        for (std::size_t place = 0; place < count; ++place) slice(place, plane);
+        for (std::size_t t = 0; t < count; ++t) slice(t, plane);
     exposure_.gain = std::exp2(request_.exposure);
     render(progress);
 

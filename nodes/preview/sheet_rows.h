@@ -72,7 +72,7 @@ private:
     };
     void plan(const Shown& frame);
     bool shows(SheetRequest::Show how) const;
-    void slice(std::size_t place, int plane);
+    void slice(std::size_t t, int plane);
     void render(const std::function<void(double)>& progress);
     SheetPanel panel(const Kind& kind, const Shown& frame, std::optional<int> plane) const;
     void require_room(const Shown& frame) const;

@@ -124,7 +124,7 @@ void call_script(Worker& worker, const PythonParams& params, const std::string& 
     request["call"] = function;
     for (const auto& [name, value] : params.params) request["params"][name] = value.json();
     request["at"] = {
-        {"frame", context.frame()}, {"time", context.place()}, {"work", context.limits().folder}};
+        {"frame", context.frame()}, {"time", context.t()}, {"work", context.limits().folder}};
     if (worker.frames != context.frames())
         request["at"]["frames"] = worker.frames = context.frames();
     take(worker, worker.call(std::move(request), limits_of(params, context), host_of(context)));

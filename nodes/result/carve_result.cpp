@@ -224,9 +224,9 @@ std::vector<std::pair<std::size_t, const Json*>> in_time(const Json& frames,
         by_number[number_of<int>(name).value_or(sequence.front())] = &entry;
     }
     std::vector<std::pair<std::size_t, const Json*>> out;
-    for (std::size_t place = 0; place < sequence.size(); ++place)
-        if (const auto found = by_number.find(sequence[place]); found != by_number.end())
-            out.emplace_back(place, found->second);
+    for (std::size_t t = 0; t < sequence.size(); ++t)
+        if (const auto found = by_number.find(sequence[t]); found != by_number.end())
+            out.emplace_back(t, found->second);
     return out;
 }
 
@@ -234,13 +234,13 @@ std::vector<std::pair<std::size_t, const Json*>> in_time(const Json& frames,
 /// amounts have no sum.
 GridResults over_frames(const Json& frames, const std::vector<int>& sequence) {
     GridResults out;
-    std::map<std::string, std::size_t> last_place;
+    std::map<std::string, std::size_t> last_t;
     const auto entries = in_time(frames, sequence);
     std::map<std::string, std::set<bool>> classes;
-    for (const auto& [place, entry] : entries)
+    for (const auto& [t, entry] : entries)
         for (const auto& [name, grid] : entry->items())
             classes[name].insert(grid.contains("level_set"));
-    for (const auto& [place, entry] : entries)
+    for (const auto& [t, entry] : entries)
         for (const auto& [given, grid] : entry->items()) {
             const auto name =
                 classes[given].size() == 1
@@ -249,10 +249,9 @@ GridResults over_frames(const Json& frames, const std::vector<int>& sequence) {
             auto found =
                 std::ranges::find_if(out, [&](const auto& each) { return each.first == name; });
             if (found == out.end()) found = out.emplace(out.end(), name, GridResult());
-            const auto last = last_place.find(name);
-            found->second.add(sequence[place], grid,
-                              last != last_place.end() && last->second + 1 == place);
-            last_place[name] = place;
+            const auto last = last_t.find(name);
+            found->second.add(sequence[t], grid, last != last_t.end() && last->second + 1 == t);
+            last_t[name] = t;
         }
     return out;
 }

@@ -49,7 +49,7 @@ std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports&
                                               Context& context) {
     // The first frame shows faults before all others are read. The space after other seams is
     // known only later.
-    if (context.place() == 0) {
+    if (context.t() == 0) {
         auto form = io.lattice->form();
         form.frames = static_cast<int>(context.frames().size());
         if (io.after.empty())

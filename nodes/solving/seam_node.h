@@ -63,7 +63,7 @@ public:
     static std::shared_ptr<FrameEnergy> digest(const Params& params, const Ports& io,
                                                Context& context);
     void add(const Params& params, const Ref<FrameEnergy>& frame, Context& context) {
-        gathered_.add(params, *frame, {context.frame(), context.place(), context.frames().size()},
+        gathered_.add(params, *frame, {context.frame(), context.t(), context.frames().size()},
                       context.limits());
     }
     /// Continues from seams that were found before, with the same energy and parameters except

@@ -35,8 +35,8 @@ bool NodeCalls::stopped() const {
     return setup_.cancelled() || fatal_ || lost_ || (failed_ && !setup_.options.keep_going);
 }
 
-std::optional<int> NodeCalls::frame_at(std::size_t n, std::size_t place) const {
-    return node(n).rate == Rate::frame ? std::optional(frame_number(place)) : std::nullopt;
+std::optional<int> NodeCalls::frame_at(std::size_t n, std::size_t t) const {
+    return node(n).rate == Rate::frame ? std::optional(frame_number(t)) : std::nullopt;
 }
 
 Context NodeCalls::context(BodyHost& host, const FrameRun* frame) const {
@@ -44,7 +44,7 @@ Context NodeCalls::context(BodyHost& host, const FrameRun* frame) const {
     const auto& [numbers, index] = delivers(host.node, frame) ? timelines.delivered(host.node)
                                                               : timelines.input_frames(host.node);
     auto out = Context(host, numbers).limits({setup_.options.memory, setup_.options.work_folder});
-    return frame ? out.at(index.at(frame->place).value()) : out;
+    return frame ? out.at(index.at(frame->t).value()) : out;
 }
 
 bool NodeCalls::guarded(std::size_t n, std::optional<int> frame, const char* what,
@@ -82,14 +82,14 @@ void NodeCalls::lacks_frames(std::size_t n, const std::vector<int>& failed) {
 
 bool NodeCalls::call(BodyHost& host, const FrameRun* frame, const char* what, const Body& body) {
     const auto n = host.node;
-    const auto number = frame ? std::optional(frame_number(frame->place)) : std::nullopt;
+    const auto number = frame ? std::optional(frame_number(frame->t)) : std::nullopt;
     return guarded(n, number, what, [&] {
         const auto ports = behaviours_[n].make_ports();
         // A node that retimes has consumed the frames of its inputs before.
         const bool inputs = frame && !(delivers(n, frame) && node(n).retimes());
         io_.connect(n, ports.get(), held_, inputs ? &frame->outputs : nullptr);
         auto where = context(host, frame);
-        setup_.guard.read(setup_.store.inputs(n, frame ? frame->place : 0),
+        setup_.guard.read(setup_.store.inputs(n, frame ? frame->t : 0),
                           [&] { body(ports.get(), where); });
     });
 }
@@ -107,24 +107,24 @@ bool NodeCalls::wanted(std::size_t n, std::string_view output, const auto& by,
 
 // What is cached.
 
-void NodeCalls::keep(const BodyHost& host, std::size_t place, const std::vector<Payload>& outputs) {
+void NodeCalls::keep(const BodyHost& host, std::size_t t, const std::vector<Payload>& outputs) {
     const auto n = host.node;
     const bool stores = setup_.options.cache && (node(n).kept || !host.log.empty());
-    const auto event = setup_.events.event("keep", n, frame_at(n, place), stores);
-    setup_.store.keep(n, place, outputs, host.log);
+    const auto event = setup_.events.event("keep", n, frame_at(n, t), stores);
+    setup_.store.keep(n, t, outputs, host.log);
 }
 
-void NodeCalls::keep_digest(const BodyHost& host, std::size_t place, const Payload& digest) {
+void NodeCalls::keep_digest(const BodyHost& host, std::size_t t, const Payload& digest) {
     const auto n = host.node;
     const bool stores = setup_.options.cache && node(n).digests_kept;
-    const auto event = setup_.events.event("keep", n, frame_number(place), stores);
-    setup_.store.keep_digest(n, place, digest, host.log);
+    const auto event = setup_.events.event("keep", n, frame_number(t), stores);
+    setup_.store.keep_digest(n, t, digest, host.log);
 }
 
-bool NodeCalls::load(std::size_t n, std::size_t place, std::vector<Payload>& into) {
-    const auto event = setup_.events.event("load", n, frame_at(n, place));
+bool NodeCalls::load(std::size_t n, std::size_t t, std::vector<Payload>& into) {
+    const auto event = setup_.events.event("load", n, frame_at(n, t));
     auto work = setup_.events.work();
-    auto outputs = setup_.store.result(n, place);
+    auto outputs = setup_.store.result(n, t);
     if (!outputs) lost_ = true;
     if (!outputs) return false;
     into = std::move(*outputs);
@@ -142,16 +142,16 @@ void NodeCalls::call_for_frame(Work work, std::size_t n, FrameRun& frame, const 
     BodyHost host(setup_, provenance_, n);
     const bool good = call(host, &frame, work == Work::consume ? "digest" : "run", body);
     frame.failed[n] = !good;
-    setup_.events.body_ended(work, n, frame.place, host.seconds(), io_.bytes(frame.outputs[n]));
-    if (good && work == Work::consume) keep_digest(host, frame.place, frame.outputs[n].front());
-    if (good && work == Work::frame) keep(host, frame.place, frame.outputs[n]);
-    setup_.events.call_ended(work, n, host.span, frame_number(frame.place), good);
+    setup_.events.body_ended(work, n, frame.t, host.seconds(), io_.bytes(frame.outputs[n]));
+    if (good && work == Work::consume) keep_digest(host, frame.t, frame.outputs[n].front());
+    if (good && work == Work::frame) keep(host, frame.t, frame.outputs[n]);
+    setup_.events.call_ended(work, n, host.span, frame_number(frame.t), good);
 }
 
 void NodeCalls::run(std::size_t n, FrameRun& frame, const Wiring& wiring, bool target) {
     const auto action = frame.scheduled.results[n];
     if (action == Action::load) {
-        frame.failed[n] = setup_.cancelled() || !load(n, frame.place, frame.outputs[n]);
+        frame.failed[n] = setup_.cancelled() || !load(n, frame.t, frame.outputs[n]);
     } else if (action == Action::run && hopeless(n, frame, wiring)) {
         frame.failed[n] = true;
     } else if (action == Action::run) {
@@ -171,9 +171,9 @@ void NodeCalls::digest(std::size_t n, FrameRun& frame, const Wiring& wiring) {
     if (!behaviours_[n].digest) return;
     const auto how = frame.scheduled.consumes[n];
     if (how == Consume::digest) {
-        const auto event = setup_.events.event("load", n, frame_number(frame.place));
+        const auto event = setup_.events.event("load", n, frame_number(frame.t));
         auto work = setup_.events.work();
-        if (auto kept = setup_.store.digest(n, frame.place)) frame.outputs[n] = {std::move(*kept)};
+        if (auto kept = setup_.store.digest(n, frame.t)) frame.outputs[n] = {std::move(*kept)};
         else lost_ = true;
         setup_.events.loaded(n, work);
         frame.failed[n] = frame.outputs[n].empty();
@@ -189,7 +189,7 @@ void NodeCalls::digest(std::size_t n, FrameRun& frame, const Wiring& wiring) {
 bool NodeCalls::consume_now(BodyHost& host, const FrameRun& frame) {
     const auto& behaviour = behaviours_[host.node];
     if (!behaviour.digest) return call(host, &frame, "consume", behaviour.add);
-    return guarded(host.node, frame_number(frame.place), "consume", [&] {
+    return guarded(host.node, frame_number(frame.t), "consume", [&] {
         auto where = context(host, &frame);
         behaviour.consume(frame.outputs[host.node].at(0), where);
     });
@@ -203,12 +203,12 @@ bool NodeCalls::consume(std::size_t n, FrameRun& frame, const Wiring& wiring, bo
         BodyHost host(setup_, provenance_, n);
         if (good && finishes) good = consume_now(host, frame);
         if (!behaviours_[n].digest) {
-            setup_.events.body_ended(Work::consume, n, frame.place, host.seconds(), 0);
-            setup_.events.call_ended(Work::consume, n, host.span, frame_number(frame.place),
+            setup_.events.body_ended(Work::consume, n, frame.t, host.seconds(), 0);
+            setup_.events.call_ended(Work::consume, n, host.span, frame_number(frame.t),
                                      good && finishes);
         }
         if (good && finishes) {
-            setup_.events.gathered(n, frame.place);
+            setup_.events.gathered(n, frame.t);
             ++gathered_[n];
         }
     }

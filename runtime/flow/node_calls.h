@@ -56,9 +56,9 @@ private:
     using Body = std::function<void(void* ports, Context&)>;
 
     const Node& node(std::size_t n) const { return setup_.pipeline.nodes[n]; }
-    int frame_number(std::size_t place) const { return setup_.timelines.frames()[place]; }
-    /// Frame number at a place; nothing for a node that runs once.
-    std::optional<int> frame_at(std::size_t n, std::size_t place) const;
+    int frame_number(std::size_t t) const { return setup_.timelines.frames()[t]; }
+    /// Number of frame `t`; nothing for a node that runs once.
+    std::optional<int> frame_at(std::size_t n, std::size_t t) const;
 
     /// @param frame  null: the call is for all frames
     Context context(BodyHost& host, const FrameRun* frame) const;
@@ -84,10 +84,10 @@ private:
     /// Whether the cache takes an output, or one of `by` that works.
     bool wanted(std::size_t n, std::string_view output, const auto& by, const auto& works) const;
     /// Caches the outputs and the log of a body, if the node is cached.
-    void keep(const BodyHost& host, std::size_t place, const std::vector<Payload>& outputs);
-    void keep_digest(const BodyHost& host, std::size_t place, const Payload& digest);
+    void keep(const BodyHost& host, std::size_t t, const std::vector<Payload>& outputs);
+    void keep_digest(const BodyHost& host, std::size_t t, const Payload& digest);
     /// Loads a node's cached outputs into `into`. @return false if they are missing
-    bool load(std::size_t n, std::size_t place, std::vector<Payload>& into);
+    bool load(std::size_t n, std::size_t t, std::vector<Payload>& into);
 
     const FlowSetup& setup_;
     const PortIo io_;

@@ -6,10 +6,10 @@ namespace fluidcarve {
 
 namespace flow = tbb::flow;
 
-std::vector<std::size_t> PassGraph::places_of(const std::vector<Schedule::Frame>& frames) {
+std::vector<std::size_t> PassGraph::indices_of(const std::vector<Schedule::Frame>& frames) {
     std::vector<std::size_t> out;
-    for (std::size_t place = 0; place < frames.size(); ++place)
-        if (!frames[place].empty()) out.push_back(place);
+    for (std::size_t t = 0; t < frames.size(); ++t)
+        if (!frames[t].empty()) out.push_back(t);
     return out;
 }
 
@@ -20,15 +20,15 @@ PassGraph::PassGraph(const FlowSetup& setup, NodeCalls& calls, const ScheduledPa
       plan_(pass.plan),
       schedule_(pass.schedule),
       frames_(pass.schedule.frames[pass.number]),
-      places_(places_of(frames_)),
+      indices_(indices_of(frames_)),
       wiring_(wire(setup.pipeline, pass_)),
-      ahead_(files_of(setup.store, wiring_, frames_, places_),
+      ahead_(files_of(setup.store, wiring_, frames_, indices_),
              static_cast<std::size_t>(setup.options.in_flight), setup.options.memory),
       failed_(setup.pipeline.nodes.size()),
       // Only numbers wait in front of the limiter. Frames are created behind it.
       source_(graph_,
               [this](tbb::flow_control& control) -> std::size_t {
-                  if (next_ == places_.size() || calls_.stopped()) return control.stop(), 0;
+                  if (next_ == indices_.size() || calls_.stopped()) return control.stop(), 0;
                   return next_++;
               }),
       limiter_(graph_, static_cast<std::size_t>(std::max(1, setup.options.in_flight))),
@@ -58,7 +58,7 @@ std::vector<std::vector<int>> PassGraph::stream() {
 PassGraph::Frame PassGraph::admit(std::size_t order) {
     ++calls_.in_flight;
     ahead_.begin(order);
-    auto frame = std::make_shared<FrameRun>(places_[order], order, frames_[places_[order]]);
+    auto frame = std::make_shared<FrameRun>(indices_[order], order, frames_[indices_[order]]);
     frame->open = ends_;
     for (const auto unit : wiring_.units) {
         frame->waiting[unit] =
@@ -72,7 +72,7 @@ void PassGraph::retire(FrameRun& frame) {
     if (frame.open.fetch_sub(1) != 1) return;
     --calls_.in_flight;
     ahead_.end(frame.order);
-    if (frame.scheduled.computes()) setup_.events.passed(setup_.timelines.frames()[frame.place]);
+    if (frame.scheduled.computes()) setup_.events.passed(setup_.timelines.frames()[frame.t]);
     limiter_.decrementer().try_put(flow::continue_msg{});
 }
 
@@ -104,7 +104,7 @@ void PassGraph::add_gathering(std::size_t n) {
     consume = std::make_unique<flow::function_node<Frame, Frame>>(
         graph_, flow::serial, [this, n](const Frame& frame) {
             if (!calls_.consume(n, *frame, wiring_, schedule_.gathers[n] != 0))
-                failed_[n].push_back(setup_.timelines.frames()[frame->place]);
+                failed_[n].push_back(setup_.timelines.frames()[frame->t]);
             return frame;
         });
     flow::make_edge(flow::output_port<0>(*units_[n]), *order);

@@ -46,7 +46,7 @@ private:
         std::unique_ptr<tbb::flow::function_node<Frame, Frame>> consume;
     };
 
-    static std::vector<std::size_t> places_of(const std::vector<Schedule::Frame>& frames);
+    static std::vector<std::size_t> indices_of(const std::vector<Schedule::Frame>& frames);
     Frame admit(std::size_t order);
     void retire(FrameRun& frame);
     /// Runs a node in a frame whose inputs have all arrived.
@@ -61,12 +61,12 @@ private:
     const Pass& pass_;
     const Plan& plan_;
     const Schedule& schedule_;
-    const std::vector<Schedule::Frame>& frames_;  ///< by place
-    const std::vector<std::size_t> places_;       ///< of the frames, in order of admission
+    const std::vector<Schedule::Frame>& frames_;  ///< `[t]`
+    const std::vector<std::size_t> indices_;      ///< of the frames, in order of admission
     const Wiring wiring_;
     ReadAhead ahead_;
     int ends_ = 0;          ///< nodes that no other reads
-    std::size_t next_ = 0;  ///< index in `places_`
+    std::size_t next_ = 0;  ///< index in `indices_`
     std::vector<std::vector<int>> failed_;
 
     tbb::flow::graph graph_;

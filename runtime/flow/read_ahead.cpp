@@ -71,14 +71,14 @@ void ReadAhead::drop(std::size_t done) {
 
 FilesOfPass files_of(const Store& store, const Wiring& wiring,
                      const std::vector<Schedule::Frame>& scheduled,
-                     const std::vector<std::size_t>& places) {
+                     const std::vector<std::size_t>& indices) {
     FilesOfPass out;
-    for (const auto place : places) {
+    for (const auto t : indices) {
         auto &read = out.read.emplace_back(), &written = out.written.emplace_back();
         for (const auto n : wiring.units) {
-            if (!scheduled[place].reads(n)) continue;
-            std::ranges::move(store.inputs(n, place), std::back_inserter(read));
-            std::ranges::move(store.outputs(n, place), std::back_inserter(written));
+            if (!scheduled[t].reads(n)) continue;
+            std::ranges::move(store.inputs(n, t), std::back_inserter(read));
+            std::ranges::move(store.outputs(n, t), std::back_inserter(written));
         }
     }
     return out;

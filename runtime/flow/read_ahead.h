@@ -67,10 +67,10 @@ private:
 };
 
 /// Finds the files that nodes read and write in the frames of a pass.
-/// @param scheduled  the pass's frames, by place
-/// @param places     of the frames, in the order in which they begin
+/// @param scheduled  the pass's frames, `[t]`
+/// @param indices    of the frames, in the order in which they begin
 FilesOfPass files_of(const Store& store, const Wiring& wiring,
                      const std::vector<Schedule::Frame>& scheduled,
-                     const std::vector<std::size_t>& places);
+                     const std::vector<std::size_t>& indices);
 
 }  // namespace fluidcarve

@@ -19,10 +19,10 @@ void RunEvents::begin(const Schedule& schedule) {
     }
 }
 
-void RunEvents::body_ended(Work work, std::size_t node, std::size_t place, double seconds,
+void RunEvents::body_ended(Work work, std::size_t node, std::size_t t, double seconds,
                            std::uint64_t bytes) {
-    if (work == Work::consume) report_.consumed(node, place, seconds, bytes);
-    else report_.ran(node, place, seconds, bytes);
+    if (work == Work::consume) report_.consumed(node, t, seconds, bytes);
+    else report_.ran(node, t, seconds, bytes);
 }
 
 void RunEvents::call_ended(Work work, std::size_t node, WorkTimes::Span& span, int frame,

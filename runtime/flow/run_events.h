@@ -44,12 +44,12 @@ public:
         return {happens ? profile_ : nullptr, category, node, frame};
     }
 
-    /// The body of a node ended for the frame at a place.
+    /// The body of a node ended for frame `t`.
     /// @param work  Work::frame or Work::consume
-    void body_ended(Work work, std::size_t node, std::size_t place, double seconds,
+    void body_ended(Work work, std::size_t node, std::size_t t, double seconds,
                     std::uint64_t bytes);
-    /// A gathering node has consumed the frame at a place.
-    void gathered(std::size_t node, std::size_t place) { report_.gathered(node, place); }
+    /// A gathering node has consumed frame `t`.
+    void gathered(std::size_t node, std::size_t t) { report_.gathered(node, t); }
     /// The call for one frame ended, perhaps with its result kept.
     /// @param good  whether it came to its end
     void call_ended(Work work, std::size_t node, WorkTimes::Span& span, int frame, bool good);

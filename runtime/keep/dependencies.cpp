@@ -47,29 +47,28 @@ Dependencies::OfNode Dependencies::of(std::size_t n) const {
     return out;
 }
 
-int Dependencies::read_frame(std::size_t n, std::size_t place) const {
-    const int frame = frames().at(place);
+int Dependencies::read_frame(std::size_t n, std::size_t t) const {
+    const int frame = frames().at(t);
     const auto of_node = stands_in_.find(n);
     if (of_node == stands_in_.end()) return frame;
     const auto other = of_node->second.find(frame);
     return other == of_node->second.end() ? frame : other->second;
 }
 
-std::vector<std::string> Dependencies::files(std::size_t n, std::size_t place) const {
-    return named_files(pipeline_.nodes[n], read_frame(n, place));
+std::vector<std::string> Dependencies::files(std::size_t n, std::size_t t) const {
+    return named_files(pipeline_.nodes[n], read_frame(n, t));
 }
 
-std::vector<std::string> Dependencies::watched_files(std::size_t n, std::size_t place) const {
-    auto out = files(n, place);
-    if (read_frame(n, place) != frames().at(place))
-        std::ranges::move(named_files(pipeline_.nodes[n], frames().at(place)),
-                          std::back_inserter(out));
+std::vector<std::string> Dependencies::watched_files(std::size_t n, std::size_t t) const {
+    auto out = files(n, t);
+    if (read_frame(n, t) != frames().at(t))
+        std::ranges::move(named_files(pipeline_.nodes[n], frames().at(t)), std::back_inserter(out));
     return out;
 }
 
-Hash Dependencies::contents(std::size_t n, std::size_t place) const {
+Hash Dependencies::contents(std::size_t n, std::size_t t) const {
     Hasher hash;
-    for (const auto& path : files(n, place)) {
+    for (const auto& path : files(n, t)) {
         const auto content = files_.content(path);
         hash.hash(content ? content->key : Hash{});
     }

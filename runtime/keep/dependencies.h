@@ -56,17 +56,17 @@ public:
         return timelines_.input_frames(node).frames;
     }
     OfNode of(std::size_t node) const;
-    /// Paths of the files that a node reads for the frame at a place (an index in `frames`).
-    std::vector<std::string> files(std::size_t node, std::size_t place) const;
+    /// Paths of the files that a node reads for frame `t` (an index in `frames`).
+    std::vector<std::string> files(std::size_t node, std::size_t t) const;
     /// Hash of the content of these files; zero if one can't be read.
-    Hash contents(std::size_t node, std::size_t place) const;
+    Hash contents(std::size_t node, std::size_t t) const;
     /// These files, and the missing ones for which they stand in: if one of the latter appears, the
     /// node may read it.
-    std::vector<std::string> watched_files(std::size_t node, std::size_t place) const;
+    std::vector<std::string> watched_files(std::size_t node, std::size_t t) const;
 
 private:
-    /// Number of the frame whose files a node reads for the frame at a place.
-    int read_frame(std::size_t node, std::size_t place) const;
+    /// Number of the frame whose files a node reads for frame `t`.
+    int read_frame(std::size_t node, std::size_t t) const;
 
     const Pipeline& pipeline_;
     const Timelines& timelines_;

@@ -268,12 +268,12 @@ json History::made_of(const Pipeline& pipeline, std::size_t n, const Dependencie
     for (const auto& [name, all] : sources)
         out["inputs"][name] = fmt::format("{}", fmt::join(all, ", "));
     const auto& frames = dependencies.frames();
-    for (std::size_t place = 0; place < frames.size(); ++place) {
-        if (dependencies.files(n, place).empty()) break;
-        if (!reads[place]) continue;
+    for (std::size_t t = 0; t < frames.size(); ++t) {
+        if (dependencies.files(n, t).empty()) break;
+        if (!reads[t]) continue;
         const bool per_frame = pipeline.nodes[n].rate == Rate::frame;
-        out["files"][per_frame ? std::to_string(frames[place]) : all_frames] =
-            dependencies.contents(n, place).text();
+        out["files"][per_frame ? std::to_string(frames[t]) : all_frames] =
+            dependencies.contents(n, t).text();
         if (!per_frame) break;
     }
     return out;

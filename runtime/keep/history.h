@@ -28,7 +28,7 @@ public:
     /// "plugin"?, "costs"?}; null if unknown.
     const nlohmann::json& state(const std::string& node) const;
     /// The present state of a node, in the form of `state` but without cost.
-    /// @param reads  per place in the sequence: whether the run reads the node's files
+    /// @param reads  per frame of the sequence: whether the run reads the node's files
     static nlohmann::json made_of(const Pipeline& pipeline, std::size_t node,
                                   const Dependencies& dependencies, const std::vector<bool>& reads);
 
@@ -51,7 +51,7 @@ private:
 
 /// What a forecast knows of a node before the run.
 struct NodeNow {
-    std::vector<bool> reads;           ///< per place: whether the run reads the node's files
+    std::vector<bool> reads;           ///< per frame: whether the run reads the node's files
     std::optional<GrownResult> grown;  ///< how much of its growing result is kept
 };
 

@@ -28,21 +28,21 @@ void describe(Hasher& hash, const Dependencies::OfNode& of,
 }  // namespace
 
 Keys::Keys(const Pipeline& pipeline, const Dependencies& dependencies,
-           std::function<bool(std::size_t node, std::size_t place)> wants)
+           std::function<bool(std::size_t node, std::size_t t)> wants)
     : pipeline_(pipeline),
       dependencies_(dependencies),
       wants_(std::move(wants)),
       entries_(pipeline.nodes.size()),
       digests_(pipeline.nodes.size()),
       gathered_(pipeline.nodes.size()) {
-    const auto places = dependencies.frames().size();
+    const auto frames = dependencies.frames().size();
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
-        entries_[n].resize(pipeline.nodes[n].rate == Rate::frame ? places : 1);
-        digests_[n].resize(places);
+        entries_[n].resize(pipeline.nodes[n].rate == Rate::frame ? frames : 1);
+        digests_[n].resize(frames);
     }
 }
 
-void Keys::add_inputs(Hasher& hash, const Dependencies::OfNode& of, std::size_t place,
+void Keys::add_inputs(Hasher& hash, const Dependencies::OfNode& of, std::size_t t,
                       const std::vector<std::string>* fields, std::optional<bool> per_frame) {
     for (const auto& input : of.inputs) {
         if (!among(fields, input.name)) continue;
@@ -51,21 +51,21 @@ void Keys::add_inputs(Hasher& hash, const Dependencies::OfNode& of, std::size_t 
         hash.text(input.name)
             .text(input.link_name)
             .text(input.output)
-            .hash(result(input.source, place));
+            .hash(result(input.source, t));
     }
 }
 
-Hash Keys::digest(std::size_t n, std::size_t place) {
+Hash Keys::digest(std::size_t n, std::size_t t) {
     const std::lock_guard lock(mutex_);
-    auto& known = digests_[n][place];
+    auto& known = digests_[n][t];
     if (known) return *known;
     const auto& type = *pipeline_.nodes[n].type;
     const auto of = dependencies_.of(n);
     const bool digests = type.digest != typeid(void);
     Hasher hash;
     if (digests) describe(hash.text("digest"), of, &type.digest_fields);
-    hash.number(static_cast<std::uint64_t>(dependencies_.frames()[place]));
-    add_inputs(hash, of, place, digests ? &type.digest_fields : nullptr,
+    hash.number(static_cast<std::uint64_t>(dependencies_.frames()[t]));
+    add_inputs(hash, of, t, digests ? &type.digest_fields : nullptr,
                digests ? std::nullopt : std::optional(true));
     known = hash.digest();
     return *known;
@@ -80,19 +80,19 @@ Hash Keys::gathered(std::size_t n) {
     describe(hash.text("gathered"), of, nullptr);
     for (const auto frame : dependencies_.frames_of(n))
         hash.number(static_cast<std::uint64_t>(frame));
-    for (std::size_t place = 0; place < dependencies_.frames().size(); ++place)
-        if (wants_(n, place)) hash.hash(digest(n, place));
+    for (std::size_t t = 0; t < dependencies_.frames().size(); ++t)
+        if (wants_(n, t)) hash.hash(digest(n, t));
     add_inputs(hash, of, 0, nullptr, false);
     hash.hash(dependencies_.contents(n, 0));
     known = hash.digest();
     return *known;
 }
 
-Hash Keys::entry(std::size_t n, std::size_t place) {
+Hash Keys::entry(std::size_t n, std::size_t t) {
     const std::lock_guard lock(mutex_);
     const auto& node = pipeline_.nodes[n];
-    if (node.rate != Rate::frame) place = 0;
-    auto& known = entries_[n][place];
+    if (node.rate != Rate::frame) t = 0;
+    auto& known = entries_[n][t];
     if (known) return *known;
     if (node.rate != Rate::frame && pipeline_.nodes[n].streams_in()) {
         known = gathered(n);
@@ -107,20 +107,20 @@ Hash Keys::entry(std::size_t n, std::size_t place) {
     // in the key: it follows from values that are in it.
     if (!pipeline_.provenance && pipeline_.writes(n)) hash.text(no_provenance);
     // A body that runs once sees the first frame of the sequence.
-    hash.number(static_cast<std::uint64_t>(dependencies_.frames().at(place)));
+    hash.number(static_cast<std::uint64_t>(dependencies_.frames().at(t)));
     if (pipeline_.nodes[n].streams_in()) hash.hash(gathered(n));
     else if (node.gathers)
         for (const auto frame : dependencies_.frames_of(n))
             hash.number(static_cast<std::uint64_t>(frame));
-    add_inputs(hash, of, place, nullptr, node.retimes() ? std::optional(false) : std::nullopt);
-    hash.hash(dependencies_.contents(n, place));
+    add_inputs(hash, of, t, nullptr, node.retimes() ? std::optional(false) : std::nullopt);
+    hash.hash(dependencies_.contents(n, t));
     known = hash.digest();
     return *known;
 }
 
-Hash Keys::result(std::size_t n, std::size_t place) {
+Hash Keys::result(std::size_t n, std::size_t t) {
     const auto& node = pipeline_.nodes[n];
-    const auto key = entry(n, place);
+    const auto key = entry(n, t);
     if (!node.type->growth) return key;
     Hasher hash;
     hash.hash(key).text(node.type->param(node.type->growth->param)->text(node.params.get()));

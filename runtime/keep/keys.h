@@ -16,18 +16,17 @@ namespace fluidcarve {
 /// nodes. Equal keys mean equal results. Thread-safe.
 class Keys {
 public:
-    /// @param wants  whether a gathering node takes the frame at a place (an index in the sequence)
+    /// @param wants  whether a gathering node takes frame `t` (an index in the sequence)
     Keys(const Pipeline& pipeline, const Dependencies& dependencies,
-         std::function<bool(std::size_t node, std::size_t place)> wants);
+         std::function<bool(std::size_t node, std::size_t t)> wants);
 
-    /// Key of a node's result for the frame at a place. The place is ignored if the node delivers
-    /// once.
-    Hash result(std::size_t node, std::size_t place);
+    /// Key of a node's result for frame `t`; `t` is ignored if the node delivers once.
+    Hash result(std::size_t node, std::size_t t);
     /// Key of the cache entry with that result. Differs from `result` only for growing results: one
     /// entry serves all counts.
-    Hash entry(std::size_t node, std::size_t place);
+    Hash entry(std::size_t node, std::size_t t);
     /// Key of a gathering node's digest of a frame; without a digest, of its inputs in that frame.
-    Hash digest(std::size_t node, std::size_t place);
+    Hash digest(std::size_t node, std::size_t t);
     /// Key of a gathering node's state after its last frame.
     Hash gathered(std::size_t node);
 
@@ -36,14 +35,14 @@ private:
     /// @param fields     the inputs to add; null: all
     /// @param per_frame  true: only inputs that arrive per frame; false: only inputs that arrive
     ///   once; nothing: both
-    void add_inputs(Hasher& hash, const Dependencies::OfNode& of, std::size_t place,
+    void add_inputs(Hasher& hash, const Dependencies::OfNode& of, std::size_t t,
                     const std::vector<std::string>* fields, std::optional<bool> per_frame);
 
     const Pipeline& pipeline_;
     const Dependencies& dependencies_;
     const std::function<bool(std::size_t, std::size_t)> wants_;
     std::recursive_mutex mutex_;
-    std::vector<std::vector<std::optional<Hash>>> entries_, digests_;  ///< `[node][place]`
+    std::vector<std::vector<std::optional<Hash>>> entries_, digests_;  ///< `[node][t]`
     std::vector<std::optional<Hash>> gathered_;
 };
 

@@ -19,35 +19,35 @@ Store::Store(const Pipeline& pipeline, const Dependencies& dependencies, Keys& k
              FileHashes& files)
     : pipeline_(pipeline), dependencies_(dependencies), keys_(keys), cache_(cache), files_(files) {}
 
-std::vector<std::string> Store::outputs(std::size_t n, std::size_t place) const {
+std::vector<std::string> Store::outputs(std::size_t n, std::size_t t) const {
     const auto& node = pipeline_.nodes[n];
     std::vector<std::string> out;
     for (const auto& [param, path] : node.written())
-        out.push_back(path.at(dependencies_.frames().at(node.rate == Rate::frame ? place : 0)));
+        out.push_back(path.at(dependencies_.frames().at(node.rate == Rate::frame ? t : 0)));
     return out;
 }
 
-bool Store::knows(std::size_t n, std::size_t place) {
+bool Store::knows(std::size_t n, std::size_t t) {
     const auto& node = pipeline_.nodes[n];
     if (!node.kept || !cache_.on()) return false;
-    const auto header = cache_.look(key(n, place));
+    const auto header = cache_.look(key(n, t));
     if (!header) return false;
     if (!node.outputs.empty()) {
         if (!header->contains("outputs")) return false;
         const auto grown = GrownResult::in(*header);
         const bool enough = !node.type->growth || (grown && grown->enough_for(node));
-        if (enough) cache_.touch(key(n, place));
+        if (enough) cache_.touch(key(n, t));
         return enough;
     }
     Json now = Json::array();
-    for (const auto& path : outputs(n, place)) {
+    for (const auto& path : outputs(n, t)) {
         const auto content = files_.content(path);
         if (!content) return false;
         now.push_back(content->key.text());
     }
     const auto were = header->value("files", Json::array());
     const bool current = !now.empty() && std::ranges::find(were, now) != were.end();
-    if (current) cache_.touch(key(n, place));
+    if (current) cache_.touch(key(n, t));
     return current;
 }
 
@@ -59,17 +59,17 @@ std::optional<GrownResult> Store::grown(std::size_t n) {
     return header && header->contains("outputs") ? GrownResult::in(*header) : std::nullopt;
 }
 
-bool Store::knows_digest(std::size_t n, std::size_t place) {
+bool Store::knows_digest(std::size_t n, std::size_t t) {
     const auto& node = pipeline_.nodes[n];
-    const bool there = node.digests_kept && node.type->digest != typeid(void) &&
-                       cache_.look(keys_.digest(n, place));
-    if (there) cache_.touch(keys_.digest(n, place));
+    const bool there =
+        node.digests_kept && node.type->digest != typeid(void) && cache_.look(keys_.digest(n, t));
+    if (there) cache_.touch(keys_.digest(n, t));
     return there;
 }
 
-std::optional<Store::Whole> Store::whole(std::size_t n, std::size_t place) {
+std::optional<Store::Whole> Store::whole(std::size_t n, std::size_t t) {
     const auto& node = pipeline_.nodes[n];
-    auto entry = cache_.load(key(n, place));
+    auto entry = cache_.load(key(n, t));
     if (!entry || entry->outputs.size() != node.outputs.size()) return std::nullopt;
     Whole out{std::move(entry->outputs), log_in(entry->header)};
     if (!node.type->growth) return out;
@@ -79,28 +79,28 @@ std::optional<Store::Whole> Store::whole(std::size_t n, std::size_t place) {
     return out;
 }
 
-NodeLog Store::log(std::size_t n, std::size_t place) {
+NodeLog Store::log(std::size_t n, std::size_t t) {
     const auto& node = pipeline_.nodes[n];
-    const auto header = cache_.look(key(n, place));
+    const auto header = cache_.look(key(n, t));
     if (!header) return {};
     const auto grown = node.type->growth ? GrownResult::in(*header) : std::nullopt;
     if (!grown || grown->fits(node)) return log_in(*header);
-    auto found = whole(n, place);
+    auto found = whole(n, t);
     return found ? std::move(found->log) : NodeLog{};
 }
 
-NodeLog Store::log_of_digest(std::size_t n, std::size_t place) const {
-    const auto header = cache_.look(keys_.digest(n, place));
+NodeLog Store::log_of_digest(std::size_t n, std::size_t t) const {
+    const auto header = cache_.look(keys_.digest(n, t));
     return header ? log_in(*header) : NodeLog{};
 }
 
-std::optional<std::vector<Payload>> Store::result(std::size_t n, std::size_t place) {
-    auto found = whole(n, place);
+std::optional<std::vector<Payload>> Store::result(std::size_t n, std::size_t t) {
+    auto found = whole(n, t);
     return found ? std::optional(std::move(found->outputs)) : std::nullopt;
 }
 
-std::optional<Payload> Store::digest(std::size_t n, std::size_t place) {
-    auto entry = cache_.load(keys_.digest(n, place));
+std::optional<Payload> Store::digest(std::size_t n, std::size_t t) {
+    auto entry = cache_.load(keys_.digest(n, t));
     if (!entry || entry->outputs.size() != 1 || !entry->outputs.front() ||
         entry->outputs.front().type() != pipeline_.nodes[n].type->digest)
         return std::nullopt;
@@ -119,24 +119,24 @@ Json Store::header_of(const NodeLog& log) const {
     return out;
 }
 
-void Store::keep(std::size_t n, std::size_t place, const std::vector<Payload>& outputs,
+void Store::keep(std::size_t n, std::size_t t, const std::vector<Payload>& outputs,
                  const NodeLog& log) {
     const auto& node = pipeline_.nodes[n];
-    if (node.kept && pipeline_.writes(n)) return keep_files(n, place, log);
+    if (node.kept && pipeline_.writes(n)) return keep_files(n, t, log);
     if (node.kept && !outputs.empty()) {
-        if (node.type->growth) return keep_grown(n, place, outputs.at(0), log, false);
-        cache_.store(key(n, place), header_of(log), outputs);
+        if (node.type->growth) return keep_grown(n, t, outputs.at(0), log, false);
+        cache_.store(key(n, t), header_of(log), outputs);
         return;
     }
     if (log.empty()) return;
-    const auto there = cache_.look(key(n, place));
-    if (!there || !there->contains("outputs")) cache_.store(key(n, place), header_of(log), {});
+    const auto there = cache_.look(key(n, t));
+    if (!there || !there->contains("outputs")) cache_.store(key(n, t), header_of(log), {});
 }
 
-void Store::keep_files(std::size_t n, std::size_t place, const NodeLog& log) {
+void Store::keep_files(std::size_t n, std::size_t t, const NodeLog& log) {
     if (!cache_.on()) return;
     Json now = Json::array();
-    for (const auto& path : outputs(n, place)) {
+    for (const auto& path : outputs(n, t)) {
         const auto content = files_.content_now(path);
         // Another process may have replaced the file since.
         if (!content || content->inode != OutputFile::inode_of(path)) return;
@@ -146,20 +146,19 @@ void Store::keep_files(std::size_t n, std::size_t place, const NodeLog& log) {
     header["files"] = Json::array({now});
     // The same result may have been written to several paths, with different bytes: some writers
     // put a unique id into each file.
-    if (const auto there = cache_.look(key(n, place)))
+    if (const auto there = cache_.look(key(n, t)))
         for (const auto& were : there->value("files", Json::array()))
             if (were != now && header["files"].size() < most_alternatives)
                 header["files"].push_back(were);
-    cache_.store(key(n, place), std::move(header), {});
+    cache_.store(key(n, t), std::move(header), {});
 }
 
-void Store::keep_digest(std::size_t n, std::size_t place, const Payload& digest,
-                        const NodeLog& log) {
+void Store::keep_digest(std::size_t n, std::size_t t, const Payload& digest, const NodeLog& log) {
     if (pipeline_.nodes[n].digests_kept && digest)
-        cache_.store(keys_.digest(n, place), header_of(log), {digest});
+        cache_.store(keys_.digest(n, t), header_of(log), {digest});
 }
 
-void Store::keep_grown(std::size_t n, std::size_t place, const Payload& result, const NodeLog& log,
+void Store::keep_grown(std::size_t n, std::size_t t, const Payload& result, const NodeLog& log,
                        bool part) {
     if (!cache_.on() || !result) return;
     const auto& growth = *pipeline_.nodes[n].type->growth;
@@ -167,11 +166,11 @@ void Store::keep_grown(std::size_t n, std::size_t place, const Payload& result, 
     const GrownResult grown{growth.item_count(result),
                             cache_.registry().payload(result.type()).bytes(result), part,
                             exhausted};
-    if (const auto there = cache_.look(key(n, place)))
+    if (const auto there = cache_.look(key(n, t)))
         if (const auto kept = GrownResult::in(*there); kept && kept->holds(grown)) return;
     auto header = header_of(log);
     grown.describe(header);
-    cache_.store(key(n, place), std::move(header), {result});
+    cache_.store(key(n, t), std::move(header), {result});
 }
 
 }  // namespace fluidcarve

@@ -12,8 +12,8 @@ namespace fluidcarve {
 /// The state of one frame during a pass. A node of the pass runs when its last input has arrived.
 /// Vectors are per pipeline node.
 struct FrameRun {
-    FrameRun(std::size_t place, std::size_t order, const Schedule::Frame& scheduled)
-        : place(place),
+    FrameRun(std::size_t t, std::size_t order, const Schedule::Frame& scheduled)
+        : t(t),
           order(order),
           scheduled(scheduled),
           outputs(scheduled.results.size()),
@@ -21,7 +21,7 @@ struct FrameRun {
           readers(outputs.size()),
           failed(outputs.size()) {}
 
-    const std::size_t place;                    ///< index in the sequence
+    const std::size_t t;                        ///< index in the sequence
     const std::size_t order;                    ///< order of admission: 0, 1, 2, ...
     const Schedule::Frame& scheduled;           ///< what the nodes do in this frame
     std::vector<std::vector<Payload>> outputs;  ///< `[node][output]`

@@ -47,20 +47,19 @@ private:
 
     /// Schedules the targets of a pass that run per frame.
     void deliver(std::size_t pass) {
-        for (std::size_t place = 0; place < delivered_.size(); ++place) {
-            if (!delivered_[place]) continue;
+        for (std::size_t t = 0; t < delivered_.size(); ++t) {
+            if (!delivered_[t]) continue;
             for (const auto n : plan_.passes[pass].delivers)
-                if (known_.delivers(n, place) && !known_.result(n, place))
-                    work({Visit::frame, n, place, pass});
+                if (known_.delivers(n, t) && !known_.result(n, t)) work({Visit::frame, n, t, pass});
             for (const auto n : plan_.passes[pass].gathering)
-                if (plan_.digested[n] && known_.wants(n, place)) work({Visit::consume, n, place});
+                if (plan_.digested[n] && known_.wants(n, t)) work({Visit::consume, n, t});
         }
     }
 
     /// A node to be scheduled. Its visit adds the nodes that it needs.
     struct Visit {
         enum Kind { once, frame, gather, consume_all, consume } kind;
-        std::size_t node, place = 0, pass = 0;
+        std::size_t node, t = 0, pass = 0;
     };
 
     /// Schedules a node, and then the nodes that it needs, in depth-first order. It uses a list,
@@ -68,15 +67,15 @@ private:
     void work(const Visit& first) {
         later(first);
         while (!open_.empty()) {
-            const auto [kind, node, place, pass] = open_.back();
+            const auto [kind, node, t, pass] = open_.back();
             open_.pop_back();
             const auto before = static_cast<std::ptrdiff_t>(open_.size());
             switch (kind) {
                 case Visit::once: once(node); break;
-                case Visit::frame: frame(node, place, pass); break;
+                case Visit::frame: frame(node, t, pass); break;
                 case Visit::gather: gather(node); break;
                 case Visit::consume_all: consume_all(node); break;
-                case Visit::consume: consume(node, place); break;
+                case Visit::consume: consume(node, t); break;
             }
             std::reverse(open_.begin() + before, open_.end());
         }
@@ -94,15 +93,14 @@ private:
         else inputs(n, 0, 0);
     }
 
-    void frame(std::size_t n, std::size_t place, std::size_t pass) {
-        auto& action = out_.frames[pass][place].results[n];
+    void frame(std::size_t n, std::size_t t, std::size_t pass) {
+        auto& action = out_.frames[pass][t].results[n];
         if (action != Action::none) return;
-        action =
-            known_.result(n, place) || kept_earlier(n, place, pass) ? Action::load : Action::run;
+        action = known_.result(n, t) || kept_earlier(n, t, pass) ? Action::load : Action::run;
         if (action == Action::load) return;
         checksummed(n);
         if (pipeline_.nodes[n].streams_in()) later({Visit::gather, n});
-        if (!pipeline_.nodes[n].retimes()) inputs(n, place, pass);
+        if (!pipeline_.nodes[n].retimes()) inputs(n, t, pass);
     }
 
     /// A writer states checksums of results upstream: it needs these results even if all its
@@ -111,11 +109,11 @@ private:
         for (const auto& link : pipeline_.nodes[n].checksummed) later({Visit::once, link.node});
     }
 
-    bool kept_earlier(std::size_t n, std::size_t place, std::size_t pass) const {
-        if (!earlier_kept_ || !pipeline_.nodes[n].kept || !known_.keeps(n, place)) return false;
+    bool kept_earlier(std::size_t n, std::size_t t, std::size_t pass) const {
+        if (!earlier_kept_ || !pipeline_.nodes[n].kept || !known_.keeps(n, t)) return false;
         return std::any_of(
             out_.frames.begin(), out_.frames.begin() + static_cast<std::ptrdiff_t>(pass),
-            [&](const auto& earlier) { return earlier[place].results[n] != Action::none; });
+            [&](const auto& earlier) { return earlier[t].results[n] != Action::none; });
     }
 
     void gather(std::size_t n) {
@@ -127,22 +125,22 @@ private:
     }
 
     void consume_all(std::size_t n) {
-        for (std::size_t place = 0; place < delivered_.size(); ++place)
-            if (known_.wants(n, place)) later({Visit::consume, n, place});
+        for (std::size_t t = 0; t < delivered_.size(); ++t)
+            if (known_.wants(n, t)) later({Visit::consume, n, t});
     }
 
-    void consume(std::size_t n, std::size_t place) {
+    void consume(std::size_t n, std::size_t t) {
         const auto pass = plan_.gathered_in[n];
-        auto& how = out_.frames[pass][place].consumes[n];
+        auto& how = out_.frames[pass][t].consumes[n];
         if (how != Consume::none) return;
-        how = known_.digest(n, place) ? Consume::digest : Consume::inputs;
-        if (how == Consume::inputs) inputs(n, place, pass);
+        how = known_.digest(n, t) ? Consume::digest : Consume::inputs;
+        if (how == Consume::inputs) inputs(n, t, pass);
     }
 
-    void inputs(std::size_t n, std::size_t place, std::size_t pass) {
+    void inputs(std::size_t n, std::size_t t, std::size_t pass) {
         for (const auto& link : pipeline_.nodes[n].links()) {
             if (pipeline_.nodes[link.node].rate == Rate::frame)
-                later({Visit::frame, link.node, place, pass});
+                later({Visit::frame, link.node, t, pass});
             else later({Visit::once, link.node});
         }
     }
@@ -193,10 +191,10 @@ std::vector<NodeWork> work_of(const Schedule& schedule) {
 NodeFrames working_frames(const Schedule& schedule, std::size_t n) {
     NodeFrames out;
     for (const auto& pass : schedule.frames)
-        for (std::size_t place = 0; place < pass.size(); ++place) {
-            if (pass[place].results[n] == Action::run) out.run.insert(place);
-            if (pass[place].consumes[n] == Consume::inputs) out.consumed_inputs.insert(place);
-            if (pass[place].consumes[n] == Consume::digest) out.consumed_digests.insert(place);
+        for (std::size_t t = 0; t < pass.size(); ++t) {
+            if (pass[t].results[n] == Action::run) out.run.insert(t);
+            if (pass[t].consumes[n] == Consume::inputs) out.consumed_inputs.insert(t);
+            if (pass[t].consumes[n] == Consume::digest) out.consumed_digests.insert(t);
         }
     return out;
 }

@@ -9,19 +9,19 @@
 
 namespace fluidcarve {
 
-/// What make_schedule asks about the cache and the nodes. A place is an index in the sequence; 0
+/// What make_schedule asks about the cache and the nodes. `t` is an index in the sequence; 0
 /// for nodes that deliver once.
 struct ScheduleQueries {
     /// Whether the result is cached.
-    std::function<bool(std::size_t node, std::size_t place)> result;
+    std::function<bool(std::size_t node, std::size_t t)> result;
     /// Whether a gathering node's digest of the frame is cached.
-    std::function<bool(std::size_t node, std::size_t place)> digest;
+    std::function<bool(std::size_t node, std::size_t t)> digest;
     /// Whether a gathering node takes the frame.
-    std::function<bool(std::size_t node, std::size_t place)> wants;
+    std::function<bool(std::size_t node, std::size_t t)> wants;
     /// Whether a node that delivers per frame has the frame.
-    std::function<bool(std::size_t node, std::size_t place)> delivers;
+    std::function<bool(std::size_t node, std::size_t t)> delivers;
     /// Whether later passes can load a result that this run computes.
-    std::function<bool(std::size_t node, std::size_t place)> keeps;
+    std::function<bool(std::size_t node, std::size_t t)> keeps;
 };
 
 /// What each node will do in each frame of a run.
@@ -52,13 +52,13 @@ struct Schedule {
         /// Whether no node does anything.
         bool empty() const;
     };
-    std::vector<std::vector<Frame>> frames;  ///< `[pass][place]`
+    std::vector<std::vector<Frame>> frames;  ///< `[pass][t]`
     std::vector<Action> once;   ///< per node: for the result of a node that delivers once
     std::vector<char> gathers;  ///< per node: whether it takes all its frames and finishes
 };
 
 /// Decides what each node does in each frame.
-/// @param delivered  per place: whether the frame is delivered
+/// @param delivered  per frame: whether the frame is delivered
 Schedule make_schedule(const Pipeline& pipeline, const Plan& plan,
                        const std::vector<bool>& delivered, const ScheduleQueries& known);
 
@@ -78,7 +78,7 @@ struct NodeWork {
 /// @return one entry per node
 std::vector<NodeWork> work_of(const Schedule& schedule);
 
-/// Places of the frames in which a node works, over all passes.
+/// Indices of the frames in which a node works, over all passes.
 struct NodeFrames {
     std::set<std::size_t> run;  ///< it computes the frame's result
     std::set<std::size_t> consumed_inputs,

@@ -31,9 +31,9 @@ Timelines::Timelines(const Pipeline& pipeline, const std::set<int>& left_out) {
     frames_.assign(all.begin(), all.end());
     for (auto& line : lines_) {
         line.index.resize(frames_.size());
-        for (std::size_t n = 0, place = 0; n < line.frames.size(); ++n) {
-            while (frames_[place] != line.frames[n]) ++place;
-            line.index[place] = n;
+        for (std::size_t n = 0, t = 0; n < line.frames.size(); ++n) {
+            while (frames_[t] != line.frames[n]) ++t;
+            line.index[t] = n;
         }
     }
 }

@@ -16,7 +16,7 @@ public:
     /// Frames of a node.
     struct Line {
         std::vector<int> frames;  ///< their numbers
-        /// Per place: the index in `frames`; nothing: the node does not have the frame.
+        /// Per frame of the sequence: its index in `frames`; nothing: the node does not have it.
         std::vector<std::optional<std::size_t>> index;
     };
 
@@ -24,7 +24,7 @@ public:
     /// @param left_out  frames that readers leave out
     Timelines(const Pipeline& pipeline, const std::set<int>& left_out);
 
-    /// The frames of all nodes together, as numbers. A place is an index in them.
+    /// The frames of all nodes together, as numbers. `t` is an index in them.
     const std::vector<int>& frames() const { return frames_; }
     /// The frames that its inputs have.
     const Line& input_frames(std::size_t node) const { return lines_[input_frames_[node]]; }

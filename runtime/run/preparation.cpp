@@ -53,8 +53,7 @@ Preparation::Preparation(const Pipeline& pipeline, const Registry& registry,
       cache_(registry, folder_of(request.options, "")),
       files_(folder_of(request.options, "/files")),
       dependencies_(pipeline, inputs_.timelines, inputs_.stand_ins, files_),
-      keys_(pipeline, dependencies_,
-            [this](std::size_t n, std::size_t place) { return wants(n, place); }),
+      keys_(pipeline, dependencies_, [this](std::size_t n, std::size_t t) { return wants(n, t); }),
       store_(pipeline, dependencies_, keys_, cache_, files_),
       grown_(pipeline.nodes.size()) {
     for (const auto& [node, message] : foresee(pipeline, plan_.needed, inputs_.regions).warnings)
@@ -69,13 +68,13 @@ Preparation::Preparation(const Pipeline& pipeline, const Registry& registry,
     if (manifest) compare(*manifest);
 }
 
-void Preparation::each_file(const std::function<void(std::size_t node, std::size_t place,
+void Preparation::each_file(const std::function<void(std::size_t node, std::size_t t,
                                                      const std::string& path)>& see) const {
     for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
         const auto read = reads(n);
-        for (std::size_t place = 0; place < read.size(); ++place) {
-            if (!read[place]) continue;
-            for (const auto& path : dependencies_.files(n, place)) see(n, place, path);
+        for (std::size_t t = 0; t < read.size(); ++t) {
+            if (!read[t]) continue;
+            for (const auto& path : dependencies_.files(n, t)) see(n, t, path);
             if (pipeline_.nodes[n].rate != Rate::frame) break;
         }
     }
@@ -110,14 +109,13 @@ std::string Preparation::fault_of_contents() {
 }
 
 void Preparation::compare(Manifest& manifest) {
-    each_file([&](std::size_t n, std::size_t place, const std::string& path) {
+    each_file([&](std::size_t n, std::size_t t, const std::string& path) {
         const auto& node = pipeline_.nodes[n];
         try {
             if (const auto content = files_.content(path))
                 manifest.require(path, {content->key, content->size});
         } catch (const Failure& failure) {
-            const auto frame =
-                node.rate == Rate::frame ? std::optional(frames()[place]) : std::nullopt;
+            const auto frame = node.rate == Rate::frame ? std::optional(frames()[t]) : std::nullopt;
             unlike_manifest_.push_back(failure_in(node, frame, failure.what(), failure.kind));
         }
     });
@@ -126,28 +124,28 @@ void Preparation::compare(Manifest& manifest) {
 std::vector<bool> Preparation::reads(std::size_t n) const {
     std::vector<bool> out(frames().size(), plan_.needed[n]);
     if (!plan_.needed[n] || pipeline_.nodes[n].rate != Rate::frame) return out;
-    for (std::size_t place = 0; place < out.size(); ++place)
-        out[place] = delivers(n, place) && (plan_.in_sequence[n] || delivered_[place]);
+    for (std::size_t t = 0; t < out.size(); ++t)
+        out[t] = delivers(n, t) && (plan_.in_sequence[n] || delivered_[t]);
     return out;
 }
 
-bool Preparation::delivers(std::size_t n, std::size_t place) const {
-    return inputs_.timelines.delivered(n).index[place].has_value();
+bool Preparation::delivers(std::size_t n, std::size_t t) const {
+    return inputs_.timelines.delivered(n).index[t].has_value();
 }
 
-bool Preparation::wants(std::size_t n, std::size_t place) const {
+bool Preparation::wants(std::size_t n, std::size_t t) const {
     static Context::Host silent;
     const auto& [frames, index] = inputs_.timelines.input_frames(n);
-    if (!index[place]) return false;
+    if (!index[t]) return false;
     Context where(silent, frames);
     const auto& node = pipeline_.nodes[n];
-    return !node.type->wants || node.type->wants(node.params.get(), where.at(*index[place]));
+    return !node.type->wants || node.type->wants(node.params.get(), where.at(*index[t]));
 }
 
 std::vector<int> Preparation::delivered_frames() const {
     std::vector<int> out;
-    for (std::size_t place = 0; place < frames().size(); ++place)
-        if (delivered_[place]) out.push_back(frames()[place]);
+    for (std::size_t t = 0; t < frames().size(); ++t)
+        if (delivered_[t]) out.push_back(frames()[t]);
     return out;
 }
 
@@ -156,27 +154,25 @@ Schedule Preparation::careful_schedule() { return schedule(true); }
 
 Schedule Preparation::schedule(bool careful) {
     std::map<std::pair<std::size_t, std::size_t>, bool> results, digests;
-    const auto once = [](auto& known, std::size_t n, std::size_t place, const auto& find) {
-        const auto [found, fresh] = known.try_emplace({n, place}, false);
+    const auto once = [](auto& known, std::size_t n, std::size_t t, const auto& find) {
+        const auto [found, fresh] = known.try_emplace({n, t}, false);
         if (fresh) found->second = find();
         return found->second;
     };
     const ScheduleQueries known{
-        [&](std::size_t n, std::size_t place) {
-            return once(results, n, place, [&] {
-                return careful ? store_.knows_intact(n, place) : store_.knows(n, place);
+        [&](std::size_t n, std::size_t t) {
+            return once(results, n, t,
+                        [&] { return careful ? store_.knows_intact(n, t) : store_.knows(n, t); });
+        },
+        [&](std::size_t n, std::size_t t) {
+            return once(digests, n, t, [&] {
+                return careful ? store_.knows_intact_digest(n, t) : store_.knows_digest(n, t);
             });
         },
-        [&](std::size_t n, std::size_t place) {
-            return once(digests, n, place, [&] {
-                return careful ? store_.knows_intact_digest(n, place)
-                               : store_.knows_digest(n, place);
-            });
-        },
-        [this](std::size_t n, std::size_t place) { return wants(n, place); },
-        [this](std::size_t n, std::size_t place) { return delivers(n, place); },
-        [&](std::size_t n, std::size_t place) {
-            return !careful && cache_.on() && static_cast<bool>(keys_.entry(n, place));
+        [this](std::size_t n, std::size_t t) { return wants(n, t); },
+        [this](std::size_t n, std::size_t t) { return delivers(n, t); },
+        [&](std::size_t n, std::size_t t) {
+            return !careful && cache_.on() && static_cast<bool>(keys_.entry(n, t));
         }};
     return make_schedule(pipeline_, plan_, delivered_, known);
 }
@@ -185,8 +181,8 @@ Schedule Preparation::make_uncached_schedule() const {
     const auto nothing = [](std::size_t, std::size_t) { return false; };
     return make_schedule(
         pipeline_, plan_, delivered_,
-        {nothing, nothing, [this](std::size_t n, std::size_t place) { return wants(n, place); },
-         [this](std::size_t n, std::size_t place) { return delivers(n, place); }, nothing});
+        {nothing, nothing, [this](std::size_t n, std::size_t t) { return wants(n, t); },
+         [this](std::size_t n, std::size_t t) { return delivers(n, t); }, nothing});
 }
 
 void Preparation::repeat_logs(const Schedule& schedule, Report& report) {
@@ -203,12 +199,12 @@ void Preparation::repeat_logs(const Schedule& schedule, Report& report) {
         const auto& node = pipeline_.nodes[n];
         const auto now = working_frames(schedule, n), anew = working_frames(uncached, n);
         const bool once = runs_once(uncached, n) && !runs_once(schedule, n);
-        for (std::size_t place = 0; place < frames().size(); ++place) {
-            if (node.type->digest != typeid(void) && anew.consumed_inputs.contains(place) &&
-                !now.consumed_inputs.contains(place))
-                repeat(n, store_.log_of_digest(n, place));
-            if ((once && place == 0) || (anew.run.contains(place) && !now.run.contains(place)))
-                repeat(n, store_.log(n, place));
+        for (std::size_t t = 0; t < frames().size(); ++t) {
+            if (node.type->digest != typeid(void) && anew.consumed_inputs.contains(t) &&
+                !now.consumed_inputs.contains(t))
+                repeat(n, store_.log_of_digest(n, t));
+            if ((once && t == 0) || (anew.run.contains(t) && !now.run.contains(t)))
+                repeat(n, store_.log(n, t));
         }
     }
 }

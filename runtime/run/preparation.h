@@ -34,11 +34,11 @@ public:
     /// @param keep_going  a missing file is no reason, since its reader fails at its frame
     std::vector<NodeFailure> input_failures(bool keep_going) const;
     std::vector<int> delivered_frames() const;  ///< frame numbers
-    /// Whether a gathering node takes the frame at a place.
-    bool wants(std::size_t node, std::size_t place) const;
-    /// Whether a node that delivers per frame has the frame at a place.
-    bool delivers(std::size_t node, std::size_t place) const;
-    /// Per place: whether the run reads the node's files.
+    /// Whether a gathering node takes frame `t`.
+    bool wants(std::size_t node, std::size_t t) const;
+    /// Whether a node that delivers per frame has frame `t`.
+    bool delivers(std::size_t node, std::size_t t) const;
+    /// Per frame: whether the run reads the node's files.
     std::vector<bool> reads(std::size_t node) const;
     const Dependencies& dependencies() const { return dependencies_; }
     Cache& cache() { return cache_; }
@@ -68,7 +68,7 @@ public:
 
 private:
     /// Calls `see` for each file of the nodes that the run needs.
-    void each_file(const std::function<void(std::size_t node, std::size_t place,
+    void each_file(const std::function<void(std::size_t node, std::size_t t,
                                             const std::string& path)>& see) const;
     void compare(Manifest& manifest);
     Schedule schedule(bool careful);
@@ -78,7 +78,7 @@ private:
     const Plan plan_;
     InputGuard guard_;
     const Inputs inputs_;
-    const std::vector<bool> delivered_;  ///< per place in `frames()`
+    const std::vector<bool> delivered_;  ///< per frame in `frames()`
     const Schedule uncached_schedule_;   ///< made from the members above
     Cache cache_;
     FileHashes files_;

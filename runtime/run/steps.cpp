@@ -103,10 +103,9 @@ public:
                     {});
         }
         const auto delivered = prepared_.delivered_frames();
-        std::set<std::size_t> places;
-        for (std::size_t place = 0; place < prepared_.frames().size(); ++place)
-            if (std::ranges::binary_search(delivered, prepared_.frames()[place]))
-                places.insert(place);
+        std::set<std::size_t> indices;
+        for (std::size_t t = 0; t < prepared_.frames().size(); ++t)
+            if (std::ranges::binary_search(delivered, prepared_.frames()[t])) indices.insert(t);
         for (const auto& group : delivering_groups(pipeline_, plan)) {
             std::vector<std::string> names;
             for (const auto n : group) names.push_back(pipeline_.nodes[n].name);
@@ -117,7 +116,7 @@ public:
             add({name,
                  fmt::format("delivers {}", fmt::join(names, ", ")),
                  {fmt::format("{}", fmt::join(names, ",")), {}, false}},
-                places);
+                indices);
         }
         for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
             const auto& node = pipeline_.nodes[n];
@@ -137,40 +136,38 @@ private:
         return node.type->inputs.front().name;
     }
 
-    /// The step that has put the result of a node at a place into the work folder; `place` counts
+    /// The step that has put the result of a node for frame `t` into the work folder; `t` counts
     /// only for nodes that deliver per frame.
-    Maker& maker(std::size_t n, std::size_t place) {
-        return results_[n][pipeline_.nodes[n].rate == Rate::frame ? place : 0];
+    Maker& maker(std::size_t n, std::size_t t) {
+        return results_[n][pipeline_.nodes[n].rate == Rate::frame ? t : 0];
     }
 
-    /// Adds a step. @param places  of the frames that it takes; empty: it is not chunked
-    void add(RunStep step, const std::set<std::size_t>& places) {
+    /// Adds a step. @param indices  of the frames that it takes; empty: it is not chunked
+    void add(RunStep step, const std::set<std::size_t>& indices) {
         const auto name = step.name;
         for (int n = 2; std::ranges::find(out_, step.name, &RunStep::name) != out_.end(); ++n)
             step.name = fmt::format("{}-{}", name, n);
-        step.chunked = !places.empty();
+        step.chunked = !indices.empty();
         std::vector<bool> delivered(prepared_.frames().size(), !step.chunked);
-        for (const auto place : places) {
-            delivered[place] = true;
-            step.frames.push_back(prepared_.frames()[place]);
+        for (const auto t : indices) {
+            delivered[t] = true;
+            step.frames.push_back(prepared_.frames()[t]);
         }
         const auto plan = make_plan(pipeline_, step.target);
-        const auto wants = [&](std::size_t n, std::size_t place) {
-            return prepared_.wants(n, place);
-        };
-        const auto delivers = [&](std::size_t n, std::size_t place) {
-            return prepared_.delivers(n, place);
+        const auto wants = [&](std::size_t n, std::size_t t) { return prepared_.wants(n, t); };
+        const auto delivers = [&](std::size_t n, std::size_t t) {
+            return prepared_.delivers(n, t);
         };
         const auto schedule = make_schedule(
             pipeline_, plan, delivered,
-            {[&](std::size_t n, std::size_t place) { return maker(n, place).has_value(); },
-             [&](std::size_t n, std::size_t place) { return digests_[n][place].has_value(); },
-             wants, delivers, [&](std::size_t n, std::size_t) { return pipeline_.nodes[n].kept; }});
+            {[&](std::size_t n, std::size_t t) { return maker(n, t).has_value(); },
+             [&](std::size_t n, std::size_t t) { return digests_[n][t].has_value(); }, wants,
+             delivers, [&](std::size_t n, std::size_t) { return pipeline_.nodes[n].kept; }});
         const auto needed = makers_of(schedule);
         step.needs = without_implied(needed);
         all_needs_.push_back(closure(needed));
         step.target.only = make(schedule, plan, out_.size());
-        set_resources(step, work_of(schedule), places.size());
+        set_resources(step, work_of(schedule), indices.size());
         out_.push_back(std::move(step));
     }
 
@@ -183,9 +180,9 @@ private:
         for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
             if (schedule.once[n] == Action::load) need(maker(n, 0));
             for (const auto& pass : schedule.frames)
-                for (std::size_t place = 0; place < pass.size(); ++place) {
-                    if (pass[place].results[n] == Action::load) need(maker(n, place));
-                    if (pass[place].consumes[n] == Consume::digest) need(digests_[n][place]);
+                for (std::size_t t = 0; t < pass.size(); ++t) {
+                    if (pass[t].results[n] == Action::load) need(maker(n, t));
+                    if (pass[t].consumes[n] == Consume::digest) need(digests_[n][t]);
                 }
         }
         return out;
@@ -195,19 +192,18 @@ private:
     /// @return whether all results that it makes there are its targets
     bool make(const Schedule& schedule, const Plan& plan, std::size_t step) {
         bool only_targets = true;
-        const auto made = [&](std::size_t n, std::size_t place) {
+        const auto made = [&](std::size_t n, std::size_t t) {
             if (!pipeline_.nodes[n].kept) return;
-            maker(n, place) = step;
+            maker(n, t) = step;
             only_targets = only_targets && (plan.targets[n] || plan.digested[n]);
         };
         for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
             if (schedule.once[n] == Action::run) made(n, 0);
             for (const auto& pass : schedule.frames)
-                for (std::size_t place = 0; place < pass.size(); ++place) {
-                    if (pass[place].results[n] == Action::run) made(n, place);
-                    if (pass[place].consumes[n] == Consume::inputs &&
-                        digests_apart(pipeline_.nodes[n]))
-                        digests_[n][place] = step;
+                for (std::size_t t = 0; t < pass.size(); ++t) {
+                    if (pass[t].results[n] == Action::run) made(n, t);
+                    if (pass[t].consumes[n] == Consume::inputs && digests_apart(pipeline_.nodes[n]))
+                        digests_[n][t] = step;
                 }
         }
         return only_targets;
@@ -266,7 +262,7 @@ private:
     const Preparation& prepared_;
     const History& history_;
     const RunOptions& options_;
-    std::vector<std::vector<Maker>> results_, digests_;  ///< `[node][place]`
+    std::vector<std::vector<Maker>> results_, digests_;  ///< `[node][t]`
     std::vector<std::set<std::size_t>> all_needs_;       ///< per step: all that it waits for
     std::vector<RunStep> out_;
 };

@@ -44,26 +44,26 @@ void Report::expect(std::vector<NodeDemand> demands) {
     if (demands_.empty()) demands_ = std::move(demands);
 }
 
-void Report::ran(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes) {
+void Report::ran(std::size_t node, std::size_t t, double seconds, std::uint64_t bytes) {
     const std::lock_guard lock(mutex_);
     auto& stats = stats_[node];
-    stats.places.insert(place);
+    stats.computed.insert(t);
     ++stats.runs;
     stats.frame_s += seconds;
     stats.most_bytes = std::max(stats.most_bytes, bytes);
 }
 
-void Report::consumed(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes) {
+void Report::consumed(std::size_t node, std::size_t t, double seconds, std::uint64_t bytes) {
     const std::lock_guard lock(mutex_);
     auto& stats = stats_[node];
-    stats.consumed.insert(place);
+    stats.consumed.insert(t);
     stats.take_s += seconds;
     stats.most_bytes = std::max(stats.most_bytes, bytes);
 }
 
-void Report::gathered(std::size_t node, std::size_t place) {
+void Report::gathered(std::size_t node, std::size_t t) {
     const std::lock_guard lock(mutex_);
-    stats_[node].gathered.insert(place);
+    stats_[node].gathered.insert(t);
 }
 
 void Report::grew(std::size_t node, std::size_t items, std::size_t of) {
@@ -87,7 +87,7 @@ void Report::holds(std::size_t node, std::uint64_t bytes) {
 
 std::size_t Report::computed(std::size_t n) const {
     const auto& stats = stats_[n];
-    if (!stats.places.empty()) return stats.places.size();
+    if (!stats.computed.empty()) return stats.computed.size();
     if (stats.finished && pipeline_.nodes[n].rate != Rate::frame) return demands_[n].needed;
     return demands_[n].only_digests ? stats.consumed.size() : 0;
 }

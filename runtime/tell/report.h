@@ -48,13 +48,13 @@ public:
     /// @param demands  one per node
     void expect(std::vector<NodeDemand> demands);
     /// A node computed the result of one frame.
-    /// @param place  index in the sequence
+    /// @param t      index in the sequence
     /// @param bytes  size of the result in memory
-    void ran(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
+    void ran(std::size_t node, std::size_t t, double seconds, std::uint64_t bytes);
     /// A gathering node took one frame from its inputs.
-    void consumed(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
+    void consumed(std::size_t node, std::size_t t, double seconds, std::uint64_t bytes);
     /// A gathering node has taken one frame, from its inputs or from a cached digest.
-    void gathered(std::size_t node, std::size_t place);
+    void gathered(std::size_t node, std::size_t t);
     /// So many items of a growing result are kept. @param of  the wanted number of items
     void grew(std::size_t node, std::size_t items, std::size_t of);
     /// The body of a node that runs once, or of a gathering node, has ended.
@@ -91,9 +91,8 @@ public:
 
 private:
     struct Stats {
-        std::set<std::size_t> places;    ///< places of computed frames
-        std::set<std::size_t> consumed;  ///< places of frames taken from its inputs
-        std::set<std::size_t> gathered;  ///< places of frames taken from its inputs or from digests
+        /// Indices of frames: computed; taken from its inputs; from its inputs or from digests.
+        std::set<std::size_t> computed, consumed, gathered;
         std::size_t items = 0, of_items = 0;
         bool finished = false;
         double frame_s = 0, take_s = 0, once_s = 0;  ///< sums of seconds

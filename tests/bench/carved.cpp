@@ -49,7 +49,7 @@ struct Given {
             given, [](const auto& lattice) { return lattice->hash != given.front()->hash; });
     }
     static void run(const detail::NoParams&, Ports& io, Context& context) {
-        io.lattice = given.at(context.place());
+        io.lattice = given.at(context.t());
     }
 };
 

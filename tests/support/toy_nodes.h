@@ -84,7 +84,7 @@ struct Count {
         if (context.frame() == params.fail_at)
             throw Failure("made to fail",
                           params.missing ? Failure::Kind::input : Failure::Kind::data);
-        if (params.late && context.place() % 3 == 0)
+        if (params.late && context.t() % 3 == 0)
             std::this_thread::sleep_for(std::chrono::milliseconds(3));
         io.number = std::make_shared<Number>(context.frame());
         log.add(fmt::format("count {}", context.frame()));
@@ -119,7 +119,7 @@ struct Total {
         Ref<Number> total;
     };
     static bool wants(const Params& params, const Context& context) {
-        return params.only_place < 0 || static_cast<int>(context.place()) == params.only_place;
+        return params.only_place < 0 || static_cast<int>(context.t()) == params.only_place;
     }
     void add(const Params&, const Ports& io, Context& context) {
         sum += io.number->value;

@@ -33,9 +33,9 @@ TEST_CASE("a solver refuses energies whose voxels change from frame to frame, na
     NodeBench solver(seam_greedy(), "{count: -1}");
     const auto lattice =
         Payload(std::make_shared<Lattice>(make_box({0, 0, 0}, {4, 4, 4}, 0.125, {0, 1, 2})));
-    const auto add = [&](std::size_t place, double voxel) {
+    const auto add = [&](std::size_t t, double voxel) {
         solver.add({{"energy", {Payload(grid_of(voxel))}}, {"lattice", {lattice}}},
-                   Context(host, frames).at(place));
+                   Context(host, frames).at(t));
     };
     add(0, 0.125);
     CHECK(failure_of([&] { add(1, 0.12); }) ==

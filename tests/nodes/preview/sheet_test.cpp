@@ -33,8 +33,8 @@ std::vector<std::size_t> shown_of(const std::string& count, int total) {
     Context::Host host;
     Context context(host, frames);
     std::vector<std::size_t> out;
-    for (std::size_t place = 0; place < frames.size(); ++place)
-        if (type.wants(params.get(), context.at(place))) out.push_back(place);
+    for (std::size_t t = 0; t < frames.size(); ++t)
+        if (type.wants(params.get(), context.at(t))) out.push_back(t);
     return out;
 }
 
@@ -186,9 +186,9 @@ TEST_CASE("the sheet node writes one PNG after the last frame") {
     Context::Host host;
     Context context(host, frames);
     const auto before = cube(Coord(0), 8, 1.0f), after = cube(Coord(2), 8, 1.0f);
-    for (std::size_t place = 0; place < frames.size(); ++place)
+    for (std::size_t t = 0; t < frames.size(); ++t)
         node.add({{"before", {volume_with(before)}}, {"after", {volume_with(after)}}},
-                 context.at(place));
+                 context.at(t));
     CHECK_FALSE(std::filesystem::exists(scratch / "new/sheet.png"));
     node.finish(context);
 

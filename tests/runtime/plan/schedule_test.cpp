@@ -23,8 +23,8 @@ Pipeline pipeline_of(const std::string& nodes, const Registry& registry) {
 std::string text(const Schedule& schedule, const Pipeline& pipeline) {
     std::string out;
     for (std::size_t pass = 0; pass < schedule.frames.size(); ++pass)
-        for (std::size_t place = 0; place < schedule.frames[pass].size(); ++place) {
-            const auto& frame = schedule.frames[pass][place];
+        for (std::size_t t = 0; t < schedule.frames[pass].size(); ++t) {
+            const auto& frame = schedule.frames[pass][t];
             std::vector<std::string> does;
             for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
                 const auto& name = pipeline.nodes[n].name;
@@ -37,8 +37,7 @@ std::string text(const Schedule& schedule, const Pipeline& pipeline) {
                         name);
             }
             CHECK(frame.empty() == does.empty());
-            if (!does.empty())
-                out += fmt::format("{}.{}: {}\n", pass, place, fmt::join(does, ", "));
+            if (!does.empty()) out += fmt::format("{}.{}: {}\n", pass, t, fmt::join(does, ", "));
         }
     return out;
 }
@@ -91,7 +90,7 @@ TEST_CASE("a gathering node takes a cached digest without the frame") {
     const auto pipeline = pipeline_of(
         "  load: {type: toy.load, path: in.##}\n  top: {type: toy.top, number: load, count: 1}\n",
         registry);
-    const auto first = [](std::size_t, std::size_t place) { return place == 0; };
+    const auto first = [](std::size_t, std::size_t t) { return t == 0; };
     const auto plan = make_plan(pipeline, {});
     const auto schedule = make_schedule(pipeline, plan, {true, true}, {no, first, yes, yes, no});
     CHECK(text(schedule, pipeline) == "0.0: kept into top\n0.1: run load, into top\n");

@@ -28,7 +28,7 @@ struct Twice {
     void add(const Params&, const Ports& io, Context&) { all.push_back(io.number); }
     void finish(const Params&, Ports&, Context&) {}
     void run(const Params&, Ports& io, Context& context) const {
-        io.twice = all.at(context.place() / 2);
+        io.twice = all.at(context.t() / 2);
     }
 };
 
