@@ -81,7 +81,7 @@ std::vector<std::string> seam_warnings(const nlohmann::ordered_json& report) {
     else if (report.at("energy").empty())
         out.push_back("`count` comes to no seam: nothing is carved");
     const auto& zero_share = report.at("zero_share");
-    if (const auto idle = std::ranges::count(zero_share, 1.0); idle > 0)
+    if (const auto idle = std::count(zero_share.begin(), zero_share.end(), 1.0); idle > 0)
         out.push_back(
             fmt::format("{} of {} seams take{} no energy at all, so that carving them may change "
                         "nothing visible; `mask.weight` gives empty space an energy of "
@@ -89,7 +89,7 @@ std::vector<std::string> seam_warnings(const nlohmann::ordered_json& report) {
                         idle, zero_share.size(), idle == 1 ? "s" : ""));
     if (!report.contains("attracted")) return out;
     const auto& attracted = report.at("attracted");
-    if (const auto idle = std::ranges::count(attracted, 0);
+    if (const auto idle = std::count(attracted.begin(), attracted.end(), 0);
         idle > 0 && report.at("kind") == "remove" && report.at("attracted_left").back() > 0)
         out.push_back(
             fmt::format("{} of {} seams take nothing of `attract`, though some of it is left: it "
