@@ -114,8 +114,10 @@ void CarveMap::fade_rims(double vertices) {
                                 "along {}, but the lattice has {}; lower `rim_fade`",
                                 vertices, std::ceil(2 * vertices) + 1, along, size));
         };
-        if (!step.around()) require(step.laterals(), std::string(1, "uvw"[step.lateral_axis()]));
-        if (!step.closed()) require(step.slices(), std::string(1, "uvw"[step.slice_axis()]));
+        const auto& columns = step.columns();
+        if (!columns.around)
+            require(columns.laterals, std::string(1, "uvw"[columns.lateral_axis()]));
+        if (!columns.closed) require(columns.slices, std::string(1, "uvw"[columns.slice_axis()]));
         step.fade_rims(vertices);
     }
 }
@@ -127,15 +129,16 @@ bool CarveMap::rims_fade() const {
 bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
     bool moved = false;
     for (auto step = steps_.rbegin(); step != steps_.rend(); ++step) {
-        const int a = step->axis(), b = step->lateral_axis(), c = step->slice_axis();
+        const auto& columns = step->columns();
+        const auto [a, b, c] = columns.axes;
         const auto meets = [&](int dimension, double first, double last) {
             return range.max()[dimension] >= first - rim_slack &&
                    range.min()[dimension] <= last + rim_slack;
         };
         // A point between an unmoved and a moved entry moves in part.
         if (!meets(a, step->first_moved() - 1, std::min(step->last_moved() + 1, step->high())) ||
-            !meets(b, step->first_lateral(), step->last_lateral() + (step->around() ? 1 : 0)) ||
-            !meets(c, step->first_slice(), step->last_slice() + (step->closed() ? 1 : 0)))
+            !meets(b, columns.first_lateral, columns.end_lateral()) ||
+            !meets(c, columns.first_slice, columns.end_slice()))
             continue;
         moved = true;
         frees = frees || step->may_free(range.min()[a], range.max()[a]);
@@ -150,9 +153,9 @@ bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
 openvdb::BBoxd CarveMap::whole() const {
     openvdb::BBoxd out(openvdb::Vec3d(0),
                        openvdb::Vec3d(reach_[0] - 1, reach_[1] - 1, reach_[2] - 1));
-    if (!steps_.empty() && (steps_.front().closed() || steps_.front().turns()))
+    if (!steps_.empty() && (steps_.front().columns().closed || steps_.front().turns()))
         out.max().z() = reach_[2];
-    if (!steps_.empty() && steps_.front().around()) out.max().y() = reach_[1];
+    if (!steps_.empty() && steps_.front().columns().around) out.max().y() = reach_[1];
     return out;
 }
 

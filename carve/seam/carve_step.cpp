@@ -1,7 +1,6 @@
 #include "carve/seam/carve_step.h"
 
 #include "carve/base/failure.h"
-#include "carve/seam/column_cell.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -86,23 +85,15 @@ private:
 
 CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count,
                      const std::array<int, 3>& origin)
-    : axis_(static_cast<int>(dimension(seams.axis))),
-      lateral_axis_(static_cast<int>(lateral_dimension(seams.axis))),
-      slice_axis_(static_cast<int>(slice_dimension(seams.axis))),
+    : columns_(seams, origin),
       before_(seams.before()),
       after_(seams.shape_after(count)[dimension(seams.axis)]),
-      laterals_(seams.laterals()),
-      slices_(seams.slices()),
-      first_lateral_(origin[lateral_dimension(seams.axis)]),
-      first_slice_(origin[slice_dimension(seams.axis)]),
       origin_(origin[dimension(seams.axis)]),
       start_(origin_ + seams.shift_after(count)),
       inserts_(!seams.warp && seams.kind == Seams::Kind::insert),
       paired_(seams.paired()),
       thick_(seams.thick()),
-      closed_(seams.slices_close()),
-      around_(seams.around),
-      turns_(seams.closed && !closed_),
+      turns_(seams.closed && !columns_.closed),
       count_(seams.warp ? 0 : count) {
     if (high() > most_vertices)
         throw Failure(fmt::format("{} vertices along {} are more than {}", high() + 1,
@@ -144,19 +135,12 @@ void CarveStep::find_first_displaced(const Seams& seams, std::size_t t) {
 }
 
 CarveStep::Ends CarveStep::warped_ends(const openvdb::Vec3d& at, double scale) const {
-    const double lateral = at[lateral_axis_] - first_lateral_,
-                 along = at[slice_axis_] - first_slice_;
-    const auto [j, k, next_j, next_k] =
-        column_cell(lateral, along, laterals_, slices_, around_, closed_);
-    const auto of = [&](int column, int slice) -> const Ends& {
-        return column_ends_[static_cast<std::size_t>(column) +
-                            static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slice)];
-    };
+    const auto [columns, lateral, slice] = columns_.cell(at);
     const auto mix = [](const Ends& a, const Ends& b, double part) {
         return Ends{a.begin + part * (b.begin - a.begin), a.end + part * (b.end - a.end)};
     };
-    const auto moved = mix(mix(of(j, k), of(next_j, k), lateral - j),
-                           mix(of(j, next_k), of(next_j, next_k), lateral - j), along - k);
+    const auto moved = mix(mix(column_ends_[columns[0]], column_ends_[columns[1]], lateral),
+                           mix(column_ends_[columns[2]], column_ends_[columns[3]], lateral), slice);
     const double first = scale * (moved.begin - origin_),
                  last = scale * (moved.end - last_before());
     constexpr double half = 0.5;

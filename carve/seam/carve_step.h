@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/seam/column_grid.h"
 #include "carve/seam/seams.h"
 #include "carve/seam/window.h"
 
@@ -35,31 +36,22 @@ public:
     CarveStep(const Seams& seams, std::size_t t, std::size_t count,
               const std::array<int, 3>& origin = {});
 
+    const ColumnGrid& columns() const { return columns_; }
     // Indices of the dimensions in a vertex's coordinates.
-    int axis() const { return axis_; }
-    int lateral_axis() const { return lateral_axis_; }
-    int slice_axis() const { return slice_axis_; }
+    int axis() const { return columns_.axis(); }
+    int lateral_axis() const { return columns_.lateral_axis(); }
+    int slice_axis() const { return columns_.slice_axis(); }
     /// Whether seams insert; of pairs, those of the first window; false for a warp.
     bool inserts() const { return inserts_; }
     bool paired() const { return paired_; }
     /// Whether seams are slabs (Seams::thickness); a slab's seams displace from the same entry.
     bool thick() const { return thick_; }
     bool warps() const { return !column_ends_.empty(); }  ///< whether the set is a warp
-    /// Whether slice slices() is slice 0 again; first_slice() is then 0.
-    bool closed() const { return closed_; }
     /// Whether the carved axis is a ring: entry before() is entry 0 again.
     bool turns() const { return turns_; }
-    /// Whether column laterals() is column 0 again; first_lateral() is then 0.
-    bool around() const { return around_; }
     int count() const { return static_cast<int>(count_); }  ///< number of seams; 0 for a warp
     int before() const { return before_; }  ///< vertices along the axis before the carve
     int after() const { return after_; }
-    int laterals() const { return laterals_; }
-    int first_lateral() const { return first_lateral_; }
-    int last_lateral() const { return first_lateral_ + laterals_ - 1; }
-    int slices() const { return slices_; }
-    int first_slice() const { return first_slice_; }
-    int last_slice() const { return first_slice_ + slices_ - 1; }
 
     int origin() const { return origin_; }  ///< first entry of the space before
     int start() const { return start_; }    ///< first entry of the carved space
@@ -103,10 +95,8 @@ public:
     /// Whether the step carves or frees a point of its carved space.
     /// @param at  carved lattice coordinates
     bool holds(const openvdb::Vec3d& at) const {
-        const double entry = at[axis_], lateral = at[lateral_axis_], slice = at[slice_axis_];
-        return entry >= low() && entry <= high() && lateral >= first_lateral_ &&
-               lateral <= (around_ ? laterals_ : last_lateral()) && slice >= first_slice_ &&
-               slice <= (closed_ ? slices_ : last_slice());
+        const double entry = at[axis()];
+        return entry >= low() && entry <= high() && columns_.holds(at);
     }
     void fade_rims(double vertices) { rim_fade_ = vertices; }  ///< see CarveMap::fade_rims
     bool rims_fade() const { return rim_fade_ > 0; }
@@ -117,10 +107,12 @@ public:
         const auto from_rim = [this](double x, int size) {
             return size == 1 ? rim_fade_ : std::min(x, size - 1 - x);
         };
-        const double lateral = around_ ? rim_fade_
-                                       : from_rim(at[lateral_axis_] - first_lateral_, laterals_),
-                     slice =
-                         closed_ ? rim_fade_ : from_rim(at[slice_axis_] - first_slice_, slices_);
+        const auto& of = columns_;
+        const double lateral = of.around ? rim_fade_
+                                         : from_rim(at[of.lateral_axis()] - of.first_lateral,
+                                                    of.laterals),
+                     slice = of.closed ? rim_fade_
+                                       : from_rim(at[of.slice_axis()] - of.first_slice, of.slices);
         return std::min(1.0, std::min(lateral, slice) / rim_fade_);
     }
     /// An interval along the axis, entries.
@@ -139,7 +131,7 @@ public:
     }
     /// Whether a point that the step holds lies in its carved space.
     bool carves(const openvdb::Vec3d& at, double scale) const {
-        const double u = at[axis_];
+        const double u = at[axis()];
         if (u >= common_.begin && u <= common_.end) return true;
         const auto [begin, end] = ends(at, scale);
         return u >= begin && u <= end;
@@ -147,7 +139,7 @@ public:
     /// Whether the step frees a point that it holds but does not carve: it lies in the space
     /// before. Otherwise the point stays.
     bool frees(const openvdb::Vec3d& at) const {
-        return at[axis_] >= origin_ && at[axis_] <= last_before();
+        return at[axis()] >= origin_ && at[axis()] <= last_before();
     }
     /// Whether the step may free some point of a range along the axis.
     bool may_free(double first, double last) const {
@@ -167,29 +159,23 @@ public:
     double faded_source(double u, double source, double scale) const {
         return scale < 1 ? clamped(u + scale * (source - u)) : source;
     }
-    /// Whether the step has the column of a vertex.
-    bool has_column(const openvdb::Coord& vertex) const {
-        const int lateral = vertex[lateral_axis_], slice = vertex[slice_axis_];
-        return lateral >= first_lateral_ && lateral <= last_lateral() && slice >= first_slice_ &&
-               slice <= last_slice();
-    }
+
     /// For each seam of a column, the first carved entry that the seam displaces; rising. For an
     /// insertion this is the new entry; if slabs are doubled, the first entry of the second copy.
     /// Of pairs, seams of the first window come first.
-    /// @param slice  may be slices() if closed()
-    std::span<const std::uint16_t> first_displaced(int lateral, int slice) const {
-        const int j = lateral - first_lateral_,
-                  k = closed_ && slice == slices_ ? 0 : slice - first_slice_;
+    /// @param column  ColumnGrid::index
+    std::span<const std::uint16_t> first_displaced(std::size_t column) const {
         const auto all = (paired_ ? 2 : 1) * count_;
-        return {first_displaced_.data() +
-                    (static_cast<std::size_t>(j) +
-                     static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) *
-                        all,
-                all};
+        return {first_displaced_.data() + column * all, all};
+    }
+    /// @param slice  may be the one behind the last if slices are closed
+    std::span<const std::uint16_t> first_displaced(int lateral, int slice) const {
+        const bool turned = columns_.closed && slice == columns_.slices;
+        return first_displaced(columns_.index(lateral, turned ? 0 : slice));
     }
     /// Those of a vertex's column, which must exist.
     std::span<const std::uint16_t> first_displaced(const openvdb::Coord& vertex) const {
-        return first_displaced(vertex[lateral_axis_], vertex[slice_axis_]);
+        return first_displaced(vertex[lateral_axis()], vertex[slice_axis()]);
     }
     /// Number of a column's first displaced entries that are at most `entry`.
     static std::size_t passed(int entry, std::span<const std::uint16_t> all) {
@@ -223,9 +209,9 @@ private:
     void find_displacements(const Warp& warp, std::size_t t);
     Ends warped_ends(const openvdb::Vec3d& at, double scale) const;
 
-    int axis_, lateral_axis_, slice_axis_, before_, after_, laterals_, slices_, first_lateral_,
-        first_slice_, origin_, start_;
-    bool inserts_, paired_, thick_, closed_, around_, turns_;
+    ColumnGrid columns_;
+    int before_, after_, origin_, start_;
+    bool inserts_, paired_, thick_, turns_;
     std::size_t count_;
     int first_moved_, last_moved_, most_down_, most_up_;
     double rim_fade_ = 0;                         ///< vertices; 0: none

@@ -85,9 +85,9 @@ PlaneSamples carved(const Plane& plane, const CarveMap& map, int width) {
             if (!step) return static_cast<double>(entry);
             const int at = step->start() + entry;
             return at - step->origin() +
-                   static_cast<double>(
-                       step->soft()->entry(at, step->first_lateral() + plane.first_row + row,
-                                           step->first_slice() + plane.slice));
+                   static_cast<double>(step->soft()->entry(
+                       at, step->columns().first_lateral + plane.first_row + row,
+                       step->columns().first_slice + plane.slice));
         };
         for (int u = 0; u < width; ++u) {
             const double place = u * scale;

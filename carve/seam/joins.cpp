@@ -1,7 +1,5 @@
 #include "carve/seam/joins.h"
 
-#include "carve/seam/column_cell.h"
-
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -58,69 +56,38 @@ private:
 
 Joins::Joins(std::span<const CarveStep* const> steps, std::span<const CarveStep::Span> windows,
              double fade)
-    : axis_(steps.front()->axis()),
-      lateral_axis_(steps.front()->lateral_axis()),
-      slice_axis_(steps.front()->slice_axis()),
-      laterals_(steps.front()->laterals()),
-      slices_(steps.front()->slices()),
-      first_lateral_(steps.front()->first_lateral()),
-      first_slice_(steps.front()->first_slice()),
+    : columns_(steps.front()->columns()),
       shift_(steps.front()->origin() - steps.front()->start()),
       inserts_(steps.front()->inserts()),
       paired_(steps.front()->paired()),
-      closed_(steps.front()->closed()),
-      around_(steps.front()->around()),
-      seams_(steps.front()->first_displaced(first_lateral_, first_slice_).size()),
+      seams_(steps.front()->first_displaced(std::size_t{0}).size()),
       fade_(fade),
       windows_(windows.begin(), windows.end()),
-      places_(seams_ * static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_)) {
-    const auto laterals = static_cast<std::size_t>(laterals_), row = laterals * seams_;
+      places_(seams_ * columns_.count()) {
     const int reach = static_cast<int>(steps.size() / 2);
     float all = 0;
     for (int n = -reach; n <= reach; ++n) all += static_cast<float>(reach + 1 - std::abs(n));
     tbb::parallel_for(
-        tbb::blocked_range<int>(0, slices_), [&](const tbb::blocked_range<int>& range) {
-            for (int k = range.begin(); k < range.end(); ++k)
-                for (int lateral = 0; lateral < laterals_; ++lateral) {
-                    auto* const to = places_.data() + static_cast<std::size_t>(k) * row +
-                                     static_cast<std::size_t>(lateral) * seams_;
-                    for (int n = -reach; n <= reach; ++n) {
-                        const int frame = n + reach;
-                        const auto bounds = steps[static_cast<std::size_t>(frame)]->first_displaced(
-                            first_lateral_ + lateral, first_slice_ + k);
-                        const float weight = static_cast<float>(reach + 1 - std::abs(n)) / all;
-                        for (std::size_t seam = 0; seam < seams_; ++seam)
-                            to[seam] += weight * (static_cast<float>(bounds[seam]) - 0.5f);
-                    }
-                }
-        });
-    smooth(laterals_, seams_, slices_, row, around_);
-    smooth(slices_, row, laterals_, seams_, closed_);
-}
-
-void Joins::smooth(int count, std::size_t stride, int lines, std::size_t between, bool ring) {
-    if (count == 1) return;
-    tbb::parallel_for(tbb::blocked_range<int>(0, lines), [&](const tbb::blocked_range<int>& range) {
-        std::vector<float> copy(static_cast<std::size_t>(count) * seams_);
-        for (int line = range.begin(); line < range.end(); ++line) {
-            auto* const first = places_.data() + static_cast<std::size_t>(line) * between;
-            for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n)
-                std::copy_n(first + n * stride, seams_, copy.data() + n * seams_);
-            for (int at = 0; at < count; ++at) {
-                auto* const to = first + static_cast<std::size_t>(at) * stride;
-                std::fill_n(to, seams_, 0.0f);
-                for (int n = 0; n < static_cast<int>(tent.size()); ++n) {
-                    const int near = at + n - static_cast<int>(tent.size() / 2),
-                              clamped = ring ? (near % count + count) % count
-                                             : std::clamp(near, 0, count - 1);
-                    const auto* const from =
-                        copy.data() + static_cast<std::size_t>(clamped) * seams_;
+        tbb::blocked_range<std::size_t>(0, columns_.count(), 64),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+            for (auto column = range.begin(); column < range.end(); ++column) {
+                auto* const to = places_.data() + column * seams_;
+                for (int n = -reach; n <= reach; ++n) {
+                    const auto bounds =
+                        steps[static_cast<std::size_t>(n + reach)]->first_displaced(column);
+                    const float weight = static_cast<float>(reach + 1 - std::abs(n)) / all;
                     for (std::size_t seam = 0; seam < seams_; ++seam)
-                        to[seam] += tent[static_cast<std::size_t>(n)] * from[seam];
+                        to[seam] += weight * (static_cast<float>(bounds[seam]) - 0.5f);
                 }
             }
-        }
-    });
+        });
+    const auto mean = [this](const float* const* rows, float* to) {
+        std::fill_n(to, seams_, 0.0f);
+        for (std::size_t n = 0; n < tent.size(); ++n)
+            for (std::size_t seam = 0; seam < seams_; ++seam) to[seam] += tent[n] * rows[n][seam];
+    };
+    columns_.average(places_.data(), seams_, false, tent.size(), mean);
+    columns_.average(places_.data(), seams_, true, tent.size(), mean);
 }
 
 double Joins::displacement(std::size_t passed) const {
@@ -134,10 +101,9 @@ std::array<double, 2> Joins::range(const std::array<int, 3>& first,
                                    const std::array<int, 3>& size) const {
     std::array<double, 2> out{displacement(seams_), displacement(seams_)};
     bool any = false;
-    for (int k = first[2] - first_slice_; k < first[2] - first_slice_ + size[2]; ++k)
-        for (int j = first[1] - first_lateral_; j < first[1] - first_lateral_ + size[1]; ++j) {
-            const auto* const places = column(around_ ? j % laterals_ : std::min(j, laterals_ - 1),
-                                              closed_ ? k % slices_ : std::min(k, slices_ - 1));
+    for (int slice = first[2]; slice < first[2] + size[2]; ++slice)
+        for (int lateral = first[1]; lateral < first[1] + size[1]; ++lateral) {
+            const auto* const places = column(columns_.index_within(lateral, slice));
             const auto passed = [&](double entry) {
                 return static_cast<std::size_t>(std::upper_bound(places, places + seams_, entry) -
                                                 places);
@@ -154,13 +120,11 @@ std::array<double, 2> Joins::range(const std::array<int, 3>& first,
 
 void Joins::sides(const openvdb::Vec3d& at, std::vector<Side>& to) const {
     to.clear();
-    const double u = at[axis_], lateral = at[lateral_axis_] - first_lateral_,
-                 slice = at[slice_axis_] - first_slice_;
-    const auto [j, k, next_j, next_k] =
-        column_cell(lateral, slice, laterals_, slices_, around_, closed_);
+    const double u = at[columns_.axis()];
+    const auto [columns, lateral, slice] = columns_.cell(at);
     const PlacesBetween place(
-        {column(j, k), column(next_j, k), column(j, next_k), column(next_j, next_k)},
-        std::clamp(lateral - j, 0.0, 1.0), std::clamp(slice - k, 0.0, 1.0));
+        {column(columns[0]), column(columns[1]), column(columns[2]), column(columns[3])},
+        std::clamp(lateral, 0.0, 1.0), std::clamp(slice, 0.0, 1.0));
     // Joins far below the point show no content from before them.
     const auto first = place.first_above(u - fade_ / 2, seams_);
     const auto one = paired_ ? seams_ / 2 : seams_;
@@ -190,9 +154,9 @@ void Joins::places(const CarveStep& step, const openvdb::Vec3d& at, double share
     std::vector<Side> shown;
     for (std::size_t passed = 0; passed <= seams_; ++passed) {
         const double scale = step.rim_scale(at), by = displacement(passed),
-                     place = at[axis_] - scale * by;
+                     place = at[step.axis()] - scale * by;
         auto there = at;
-        there[axis_] = place;
+        there[step.axis()] = place;
         if (!step.holds(there) || !step.carves(there, scale)) continue;
         sides(there, shown);
         // Shares are dealt out from the last side to the first.

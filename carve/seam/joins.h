@@ -52,18 +52,12 @@ public:
 private:
     /// The displacement behind the first `passed` seams of a column, vertices.
     double displacement(std::size_t passed) const;
-    const float* column(int lateral, int k) const {
-        return places_.data() +
-               (static_cast<std::size_t>(lateral) +
-                static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) *
-                   seams_;
-    }
-    /// Averages places over neighbouring columns.
-    /// @param ring  whether the last column is beside the first
-    void smooth(int count, std::size_t stride, int lines, std::size_t between, bool ring);
+    /// @param index  ColumnGrid::index
+    const float* column(std::size_t index) const { return places_.data() + index * seams_; }
 
-    int axis_, lateral_axis_, slice_axis_, laterals_, slices_, first_lateral_, first_slice_, shift_;
-    bool inserts_, paired_, closed_, around_;
+    ColumnGrid columns_;
+    int shift_;
+    bool inserts_, paired_;
     std::size_t seams_;  ///< in a column
     double fade_;
     std::vector<CarveStep::Span> windows_;

@@ -98,12 +98,11 @@ std::vector<CarveStep::Span> where_smoothed(std::span<const CarveStep* const> st
                                             std::span<const CarveStep::Span> spans, int reach) {
     int front = spans.back().entries.last, back = spans.front().entries.first;
     for (const auto* const step : steps)
-        for (int slice = step->first_slice(); slice <= step->last_slice(); ++slice)
-            for (int lateral = step->first_lateral(); lateral <= step->last_lateral(); ++lateral) {
-                const auto bounds = step->first_displaced(lateral, slice);
-                front = std::min<int>(front, bounds.front());
-                back = std::max<int>(back, bounds.back());
-            }
+        for (std::size_t column = 0; column < step->columns().count(); ++column) {
+            const auto bounds = step->first_displaced(column);
+            front = std::min<int>(front, bounds.front());
+            back = std::max<int>(back, bounds.back());
+        }
     std::vector<CarveStep::Span> out(spans.begin(), spans.end());
     auto &first = out.front().entries.first, &last = out.back().entries.last;
     first = std::max(first, front - reach - 1);
@@ -137,10 +136,10 @@ public:
     }
 
     /// @param to  from the entry before the first span to the one behind the last
-    void write(int lateral, int slice, float* to) {
+    void write(std::size_t column, float* to) {
         for (std::size_t n = 0; n < steps_.size(); ++n)
-            write_displacements(*steps_[n], steps_[n]->first_displaced(lateral, slice),
-                                {first_, last_}, frames_.data() + n * row_ + 1);
+            write_displacements(*steps_[n], steps_[n]->first_displaced(column), {first_, last_},
+                                frames_.data() + n * row_ + 1);
         if (steps_.size() > 1) weighted_mean(over_, of_frames_.data(), size_, mean_.data());
         auto& now = steps_.size() == 1 ? frames_ : mean_;
         now.front() = static_cast<float>(spans_.front().before);
@@ -178,39 +177,27 @@ private:
 }  // namespace
 
 SmoothDisplacement::SmoothDisplacement(const CarveStep& step, int first, int last)
-    : axes_{step.axis(), step.lateral_axis(), step.slice_axis()},
-      laterals_(step.laterals()),
-      slices_(step.slices()),
-      first_lateral_(step.first_lateral()),
-      first_slice_(step.first_slice()),
-      closed_(step.closed()),
-      around_(step.around()),
-      carved_{step.start(), step.last()},
-      first_(first) {
+    : columns_(step.columns()), carved_{step.start(), step.last()}, first_(first) {
     resize(last);
 }
 
 void SmoothDisplacement::resize(int last) {
     last_ = last;
     row_ = whole_eights(static_cast<std::size_t>(last_ - first_) + 1);
-    const auto count =
-        row_ * static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_);
-    entries_ = std::make_shared<FloatFrameStore>(1, count);
+    entries_ = std::make_shared<FloatFrameStore>(1, row_ * columns_.count());
 }
 
 SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplacement(step, 0, 0) {
     const int reach = step.count();
     first_ = std::clamp(step.first_moved() - 1 - reach, step.start(), step.last());
     int last = first_;
-    for (int slice = step.first_slice(); slice <= step.last_slice(); ++slice)
-        for (int lateral = step.first_lateral(); lateral <= step.last_lateral(); ++lateral)
-            last = std::max(last, std::min(step.first_displaced(lateral, slice).back() + reach + 1,
-                                           step.last()));
+    for (std::size_t column = 0; column < columns_.count(); ++column)
+        last =
+            std::max(last, std::min(step.first_displaced(column).back() + reach + 1, step.last()));
     resize(last);
 
-    const auto laterals = static_cast<std::size_t>(laterals_);
     tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(slices_), 64),
+        tbb::blocked_range<std::size_t>(0, columns_.count(), 64),
         [&](const tbb::blocked_range<std::size_t>& range) {
             // Running sums of displacements, half vertices: over all entries before one, from the
             // first that counts.
@@ -221,9 +208,7 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplaceme
                 return before[static_cast<std::size_t>(entry - from)];
             };
             for (auto column = range.begin(); column < range.end(); ++column) {
-                const int lateral = step.first_lateral() + static_cast<int>(column % laterals),
-                          slice = step.first_slice() + static_cast<int>(column / laterals);
-                const auto bounds = step.first_displaced(lateral, slice);
+                const auto bounds = step.first_displaced(column);
                 std::size_t passed = CarveStep::passed(from, bounds);
                 for (int e = from; e <= to; ++e) {
                     while (passed < bounds.size() && bounds[passed] <= e) ++passed;
@@ -249,30 +234,29 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
     const auto spans = where_smoothed(steps, windows, reach);
     SmoothDisplacement out(step, spans.front().entries.first - 1, spans.back().entries.last + 1);
     out.ends_ = {spans.front().before, spans.back().behind};
-    const auto laterals = static_cast<std::size_t>(out.laterals_);
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(out.slices_), 64),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-            SoftColumns columns(steps, spans, along, over);
-            for (auto column = range.begin(); column < range.end(); ++column)
-                columns.write(step.first_lateral() + static_cast<int>(column % laterals),
-                              step.first_slice() + static_cast<int>(column / laterals),
-                              out.entries() + column * out.row_);
-        });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, out.columns_.count(), 64),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                          SoftColumns columns(steps, spans, along, over);
+                          for (auto column = range.begin(); column < range.end(); ++column)
+                              columns.write(column, out.entries() + column * out.row_);
+                      });
     if (reach > 0) {
         const auto across = tent(softness.across.value_or(softness.vertices));
-        out.smooth_across(across, false);
-        out.smooth_across(across, true);
+        const auto mean = [&](const float* const* rows, float* to) {
+            weighted_mean(across, rows, out.row_, to);
+        };
+        out.columns_.average(out.entries(), out.row_, false, across.size(), mean);
+        out.columns_.average(out.entries(), out.row_, true, across.size(), mean);
     }
     return out;
 }
 
 SmoothDisplacement SmoothDisplacement::of(const CarveStep& step, const Warp& warp, std::size_t t) {
     SmoothDisplacement out(step, step.start(), step.last());
-    const auto laterals = static_cast<std::size_t>(out.laterals_);
+    const auto laterals = static_cast<std::size_t>(out.columns_.laterals);
     const int vertices = step.before();
     tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(out.slices_), 64),
+        tbb::blocked_range<std::size_t>(0, out.columns_.count(), 64),
         [&](const tbb::blocked_range<std::size_t>& range) {
             std::vector<float> shifts(static_cast<std::size_t>(vertices));
             for (auto column = range.begin(); column < range.end(); ++column) {
@@ -299,51 +283,21 @@ SmoothDisplacement SmoothDisplacement::of(const CarveStep& step, const Warp& war
     return out;
 }
 
-void SmoothDisplacement::smooth_across(std::span<const float> weights, bool slices) {
-    const int reach = static_cast<int>(weights.size() / 2), count = slices ? slices_ : laterals_;
-    if (count == 1) return;
-    const bool ring = slices ? closed_ : around_;
-    const auto laterals = static_cast<std::size_t>(laterals_);
-    const auto stride = slices ? laterals * row_ : row_, between = slices ? row_ : laterals * row_;
-    // Every line of columns is smoothed in place, from a copy.
-    tbb::parallel_for(
-        tbb::blocked_range<int>(0, slices ? laterals_ : slices_),
-        [&](const tbb::blocked_range<int>& lines) {
-            std::vector<float> copy(row_ * static_cast<std::size_t>(count));
-            std::vector<const float*> rows(weights.size());
-            for (int line = lines.begin(); line < lines.end(); ++line) {
-                auto* const first = entries() + static_cast<std::size_t>(line) * between;
-                for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n)
-                    std::copy_n(first + n * stride, row_, copy.data() + n * row_);
-                for (int at = 0; at < count; ++at) {
-                    for (std::size_t n = 0; n < rows.size(); ++n) {
-                        const int near = at + static_cast<int>(n) - reach;
-                        const int clamped =
-                            ring ? (near % count + count) % count : std::clamp(near, 0, count - 1);
-                        rows[n] = copy.data() + static_cast<std::size_t>(clamped) * row_;
-                    }
-                    weighted_mean(weights, rows.data(), row_,
-                                  first + static_cast<std::size_t>(at) * stride);
-                }
-            }
-        });
-}
-
 SmoothDisplacement::Value SmoothDisplacement::at(const Vec3d& at, const CarveStep& step) const {
     std::array<int, 3> low;
     std::array<double, 3> part;
     for (std::size_t d = 0; d < 3; ++d) {
-        low[d] = static_cast<int>(at[axes_[d]]);
-        part[d] = at[axes_[d]] - low[d];
+        low[d] = static_cast<int>(at[columns_.axes[d]]);
+        part[d] = at[columns_.axes[d]] - low[d];
     }
     Value out{0, Vec3d(0)};
-    if (low[0] + 2 < first_ && column(first_lateral_, first_slice_).front() == 0) return out;
+    if (low[0] + 2 < first_ && column(std::size_t{0}).front() == 0) return out;
 
-    const std::array<int, 3> first{carved_.first, first_lateral_, first_slice_},
-        last{carved_.last, first_lateral_ + laterals_ - 1, first_slice_ + slices_ - 1};
+    const std::array<int, 3> first{carved_.first, columns_.first_lateral, columns_.first_slice},
+        last{carved_.last, columns_.last_lateral(), columns_.last_slice()};
     const auto value = [&](std::array<int, 3> vertex) {
-        if (closed_) vertex[2] = (vertex[2] + slices_) % slices_;
-        if (around_) vertex[1] = (vertex[1] + laterals_) % laterals_;
+        vertex[1] = columns_.turned_lateral(vertex[1]);
+        vertex[2] = columns_.turned_slice(vertex[2]);
         const auto d = [&] {
             const double here =
                 entry(std::clamp(vertex[0], carved_.first, carved_.last), vertex[1], vertex[2]);
@@ -352,7 +306,7 @@ SmoothDisplacement::Value SmoothDisplacement::at(const Vec3d& at, const CarveSte
         };
         if (!step.rims_fade()) return d();
         Vec3d place;
-        for (std::size_t n = 0; n < 3; ++n) place[axes_[n]] = vertex[n];
+        for (std::size_t n = 0; n < 3; ++n) place[columns_.axes[n]] = vertex[n];
         return step.rim_scale(place) * d();
     };
     for (unsigned n = 0; n < 8; ++n) {
@@ -370,12 +324,12 @@ SmoothDisplacement::Value SmoothDisplacement::at(const Vec3d& at, const CarveSte
             ++above[d];
             // At an end of a mirrored map, the mirror image gives the slope. Otherwise slopes are
             // one-sided at rims.
-            if (d == 0 ? !ends_ : d == 1 ? !around_ : !closed_) {
+            if (d == 0 ? !ends_ : d == 1 ? !columns_.around : !columns_.closed) {
                 below[d] = std::max(below[d], first[d]);
                 above[d] = std::min(above[d], last[d]);
             }
             if (below[d] == above[d]) continue;
-            out.gradient[axes_[d]] +=
+            out.gradient[columns_.axes[d]] +=
                 weight * (value(above) - value(below)) / (above[d] - below[d]);
         }
     }
@@ -390,8 +344,8 @@ void soften(CarveStep& step, const Seams& seams, std::size_t t, const Softness& 
     std::vector<const CarveStep*> steps;
     std::array<int, 3> origin{};
     origin[static_cast<std::size_t>(step.axis())] = step.origin();
-    origin[static_cast<std::size_t>(step.lateral_axis())] = step.first_lateral();
-    origin[static_cast<std::size_t>(step.slice_axis())] = step.first_slice();
+    origin[static_cast<std::size_t>(step.lateral_axis())] = step.columns().first_lateral;
+    origin[static_cast<std::size_t>(step.slice_axis())] = step.columns().first_slice;
     for (int n = -reach; n <= reach; ++n) {
         const int near = std::clamp(static_cast<int>(t) + n, 0, last);
         if (near == static_cast<int>(t)) steps.push_back(&step);

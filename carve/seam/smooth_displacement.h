@@ -51,18 +51,23 @@ public:
     static SmoothDisplacement of(const CarveStep& step, const Warp& warp, std::size_t t);
 
     /// Displacement of an entry, vertices.
-    /// @param entry  any; entries outside first() to last() move as the nearest one inside
-    float entry(int entry, int lateral, int slice) const {
-        const auto all = column(lateral, slice);
+    /// @param entry   any; entries outside first() to last() move as the nearest one inside
+    /// @param column  ColumnGrid::index
+    float entry(int entry, std::size_t column) const {
+        const auto all = this->column(column);
         return all[static_cast<std::size_t>(std::clamp(entry, first_, last_) - first_)];
     }
+    float entry(int at, int lateral, int slice) const {
+        return entry(at, columns_.index(lateral, slice));
+    }
     /// Displacements of entries first() to last() of a column, vertices.
-    std::span<const float> column(int lateral, int slice) const {
+    /// @param column  ColumnGrid::index
+    std::span<const float> column(std::size_t column) const {
         const auto size = static_cast<std::size_t>(last_ - first_) + 1;
-        const auto column =
-            static_cast<std::size_t>(lateral - first_lateral_) +
-            static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slice - first_slice_);
         return {entries_->entries(0).data() + column * row_, size};
+    }
+    std::span<const float> column(int lateral, int slice) const {
+        return column(columns_.index(lateral, slice));
     }
     int first() const { return first_; }  ///< entries below it move as it does
     int last() const { return last_; }    ///< entries above it move as it does
@@ -83,14 +88,8 @@ private:
     /// Makes room for entries first_ to `last`, all 0.
     void resize(int last);
     float* entries() { return entries_->entries(0).data(); }
-    /// Replaces each value by a weighted sum over its neighbours across the axis.
-    /// @param weights  an odd number; the middle one is for the value itself
-    /// @param slices  true: along the slice axis; false: along the lateral axis
-    void smooth_across(std::span<const float> weights, bool slices);
 
-    std::array<int, 3> axes_;  ///< the carved, the lateral and the slice axis
-    int laterals_, slices_, first_lateral_, first_slice_;
-    bool closed_, around_;
+    ColumnGrid columns_;
     Window carved_;                                  ///< entries of the carved space
     std::optional<std::pair<double, double>> ends_;  ///< displacements half a vertex beyond these
                                                      ///< entries; set if the map is mirrored there

@@ -13,10 +13,10 @@
 namespace fluidcarve {
 
 void CarveStep::find_displacements(const Warp& warp, std::size_t t) {
-    column_ends_.reserve(static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_));
+    column_ends_.reserve(columns_.count());
     common_ = {static_cast<double>(origin_), static_cast<double>(last_before())};
-    for (int k = 0; k < slices_; ++k)
-        for (int lateral = 0; lateral < laterals_; ++lateral) {
+    for (int k = 0; k < columns_.slices; ++k)
+        for (int lateral = 0; lateral < columns_.laterals; ++lateral) {
             const auto [first, last] = warp.ends(t, lateral, k);
             column_ends_.push_back({origin_ + first, last_before() + last});
             common_ = {std::max(common_.begin, origin_ + first),
@@ -29,18 +29,17 @@ void CarveStep::find_displacements(const Warp& warp, std::size_t t) {
         float least = 0, most = 0;
     };
     const auto found = tbb::parallel_reduce(
-        tbb::blocked_range<int>(0, slices_), Found{high() + 1, low() - 1},
-        [&](const tbb::blocked_range<int>& slices, Found out) {
-            for (int k = slices.begin(); k < slices.end(); ++k)
-                for (int lateral = first_lateral(); lateral <= last_lateral(); ++lateral) {
-                    const auto column = soft_->column(lateral, first_slice_ + k);
-                    for (std::size_t n = 0; n < column.size(); ++n) {
-                        if (column[n] == 0) continue;
-                        const int entry = start_ + static_cast<int>(n);
-                        out = {std::min(out.first, entry), std::max(out.last, entry),
-                               std::min(out.least, column[n]), std::max(out.most, column[n])};
-                    }
+        tbb::blocked_range<std::size_t>(0, columns_.count(), 64), Found{high() + 1, low() - 1},
+        [&](const tbb::blocked_range<std::size_t>& range, Found out) {
+            for (auto c = range.begin(); c < range.end(); ++c) {
+                const auto column = soft_->column(c);
+                for (std::size_t n = 0; n < column.size(); ++n) {
+                    if (column[n] == 0) continue;
+                    const int entry = start_ + static_cast<int>(n);
+                    out = {std::min(out.first, entry), std::max(out.last, entry),
+                           std::min(out.least, column[n]), std::max(out.most, column[n])};
                 }
+            }
             return out;
         },
         [](const Found& a, const Found& b) {

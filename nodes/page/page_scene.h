@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/base/values.h"
 #include "carve/lattice/lattice.h"
 #include "carve/rig/rig.h"
 #include "carve/seam/seams.h"

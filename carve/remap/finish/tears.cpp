@@ -29,7 +29,7 @@ std::optional<Coord> origin_of(const CarveMap& map, Coord vertex) {
     for (auto step = map.steps().rbegin(); step != map.steps().rend(); ++step) {
         const int axis = step->axis(), entry = vertex[axis], lateral = vertex[step->lateral_axis()],
                   slice = vertex[step->slice_axis()];
-        if (!step->has_column(vertex) || entry < step->low() || entry > step->high()) continue;
+        if (!step->columns().has(vertex) || entry < step->low() || entry > step->high()) continue;
         if (!step->carves(vertex.asVec3d(), 1)) {
             if (step->frees(vertex.asVec3d())) return std::nullopt;
             continue;
@@ -63,7 +63,7 @@ int rim_entry(const CarveMap& map, const openvdb::CoordBBox& carved, const Rim& 
               const Coord& column) {
     int out = (rim.high ? carved.max() : carved.min())[rim.axis];
     for (const auto& step : map.steps()) {
-        if (!step.warps() || step.axis() != rim.axis || !step.has_column(column)) continue;
+        if (!step.warps() || step.axis() != rim.axis || !step.columns().has(column)) continue;
         const auto [begin, end] = step.ends(column.asVec3d(), 1);
         out = std::clamp(static_cast<int>(rim.high ? std::floor(end) : std::ceil(begin)),
                          step.start(), step.last());

@@ -53,6 +53,7 @@ public:
     Vec3d operator()(const Vec3d& at, const CarveStep& step, const Vec2d& room,
                      std::uint64_t seed) const {
         if (amount_ == 0) return at;
+        const auto& columns = step.columns();
         auto out = at;
         for (int n = 0; n < 3; ++n) {
             seed = mixed(seed);
@@ -61,17 +62,18 @@ public:
                 return at[n] + by - size * std::floor((at[n] + by) / size);
             };
             if (n == step.axis()) out[n] = reflected(at[n] + by, room);
-            else if (n == step.lateral_axis() && step.around()) out[n] = wrapped(step.laterals());
-            else if (n == step.lateral_axis())
-                out[n] =
-                    step.laterals() > 1
-                        ? reflected(at[n] + by, Vec2d(step.first_lateral(), step.last_lateral()))
-                        : at[n];
-            else if (step.closed()) out[n] = wrapped(step.slices());
+            else if (n == columns.lateral_axis() && columns.around)
+                out[n] = wrapped(columns.laterals);
+            else if (n == columns.lateral_axis())
+                out[n] = columns.laterals > 1 ? reflected(at[n] + by, Vec2d(columns.first_lateral,
+                                                                            columns.last_lateral()))
+                                              : at[n];
+            else if (columns.closed) out[n] = wrapped(columns.slices);
             else
-                out[n] = step.slices() > 1
-                             ? reflected(at[n] + by, Vec2d(step.first_slice(), step.last_slice()))
-                             : at[n];
+                out[n] =
+                    columns.slices > 1
+                        ? reflected(at[n] + by, Vec2d(columns.first_slice, columns.last_slice()))
+                        : at[n];
         }
         return out;
     }

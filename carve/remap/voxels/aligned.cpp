@@ -72,7 +72,8 @@ public:
             return std::ranges::any_of(steps_, [&](const CarveStep& step) {
                 const int slice = vertex[step.slice_axis()];
                 return step.slice_axis() == steps_.back().axis() ||
-                       (slice >= step.first_slice() && slice <= step.last_slice());
+                       (slice >= step.columns().first_slice &&
+                        slice <= step.columns().last_slice());
             });
         };
         const bool within = held(a) && held(b);
@@ -96,7 +97,7 @@ private:
         const auto rest = steps_.size() - 1;
         const int axis = step.axis();
         const auto first = alignment_.vertex(voxel);
-        const bool carved = step.has_column(first);
+        const bool carved = step.columns().has(first);
         const auto bounds = carved ? step.first_displaced(first) : std::span<const std::uint16_t>();
         auto passed = CarveStep::passed(first[axis], bounds);
 
@@ -141,7 +142,7 @@ private:
         for (; count > 0; --count) {
             const auto& step = steps_[count - 1];
             const int axis = step.axis(), entry = vertex[axis];
-            if (!step.has_column(vertex) || entry < step.low() || entry > step.high()) continue;
+            if (!step.columns().has(vertex) || entry < step.low() || entry > step.high()) continue;
             if (entry < step.start() || entry > step.last()) return nothing_;
             const int d =
                 step.displacement(entry, vertex[step.lateral_axis()], vertex[step.slice_axis()]);

@@ -17,8 +17,7 @@ template <class Column>
 void CarveBlock::Table::each_column(const CarveStep& step, const Column& column) const {
     for (int k = first[2]; k < first[2] + size[2]; ++k)
         for (int j = first[1]; j < first[1] + size[1]; ++j)
-            column(step.around() ? j % step.laterals() : std::min(j, step.last_lateral()),
-                   step.closed() ? k % step.slices() : std::min(k, step.last_slice()));
+            column(step.columns().index_within(j, k));
 }
 
 void CarveBlock::Table::fill_smooth(const CarveStep& step) {
@@ -29,8 +28,8 @@ void CarveBlock::Table::fill_smooth(const CarveStep& step) {
     float least = std::numeric_limits<float>::max(), most = std::numeric_limits<float>::lowest();
     const auto clamped = [&](int i) { return std::clamp(i, first[0], first[0] + size[0]); };
     const int from = clamped(soft.first()), end = clamped(soft.last() + 1);
-    each_column(step, [&](int lateral, int k) {
-        const auto column = soft.column(lateral, k);
+    each_column(step, [&](std::size_t c) {
+        const auto column = soft.column(c);
         auto* const begin = out;
         out = std::fill_n(out, from - first[0], column.front());
         if (end > from) out = std::copy_n(column.data() + (from - soft.first()), end - from, out);
@@ -52,8 +51,8 @@ void CarveBlock::Table::fill(const CarveStep& step) {
     low = std::numeric_limits<int>::max();
     high = std::numeric_limits<int>::min();
     const int end = first[0] + size[0];
-    each_column(step, [&](int lateral, int k) {
-        const auto bounds = step.first_displaced(lateral, k);
+    each_column(step, [&](std::size_t column) {
+        const auto bounds = step.first_displaced(column);
         auto passed = CarveStep::passed(first[0], bounds);
         if (passed == 0 ? end <= bounds.front()
                         : passed == bounds.size() && first[0] > bounds.back()) {
@@ -90,10 +89,11 @@ struct MetVertices {
 
 /// @param range  in the step's carved space
 MetVertices vertices_in(const openvdb::BBoxd& range, const CarveStep& step) {
-    const std::array<int, 3> axes{step.axis(), step.lateral_axis(), step.slice_axis()},
-        first{step.low(), step.first_lateral(), step.first_slice()},
-        last{step.high(), step.around() ? 2 * step.laterals() : step.last_lateral(),
-             step.closed() ? 2 * step.slices() : step.last_slice()};
+    const auto& columns = step.columns();
+    const auto& axes = columns.axes;
+    const std::array<int, 3> first{step.low(), columns.first_lateral, columns.first_slice},
+        last{step.high(), columns.around ? 2 * columns.laterals : columns.last_lateral(),
+             columns.closed ? 2 * columns.slices : columns.last_slice()};
     MetVertices out;
     for (std::size_t d = 0; d < 3; ++d) {
         const double low = range.min()[axes[d]], high = range.max()[axes[d]],

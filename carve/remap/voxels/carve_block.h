@@ -76,8 +76,9 @@ private:
         void fill(const CarveStep& step);
         /// Index of the displacement of a cell's lowest entry.
         int cell(int i, int j, int k, const CarveStep& step) const {
-            const int slice = k < first[2] ? k + step.slices() - first[2] : k - first[2];
-            const int lateral = j < first[1] ? j + step.laterals() - first[1] : j - first[1];
+            const int slice = k < first[2] ? k + step.columns().slices - first[2] : k - first[2];
+            const int lateral =
+                j < first[1] ? j + step.columns().laterals - first[1] : j - first[1];
             return (slice * size[1] + lateral) * size[0] + i - first[0];
         }
 

@@ -22,11 +22,12 @@ CoordBBox within(const CarveStep& step, CoordBBox vertices) {
     const auto once = [&](int dimension, int size) {
         high[dimension] = std::min(high[dimension], low[dimension] + size - 1);
     };
-    clip(step.axis(), step.start(), step.last());
-    if (step.around()) once(step.lateral_axis(), step.laterals());
-    else clip(step.lateral_axis(), step.first_lateral(), step.last_lateral());
-    if (step.closed()) once(step.slice_axis(), step.slices());
-    else clip(step.slice_axis(), step.first_slice(), step.last_slice());
+    const auto& columns = step.columns();
+    clip(columns.axis(), step.start(), step.last());
+    if (columns.around) once(columns.lateral_axis(), columns.laterals);
+    else clip(columns.lateral_axis(), columns.first_lateral, columns.last_lateral());
+    if (columns.closed) once(columns.slice_axis(), columns.slices);
+    else clip(columns.slice_axis(), columns.first_slice, columns.last_slice());
     return vertices;
 }
 
@@ -36,23 +37,18 @@ CoordBBox corners(const CarveStep& step, const BBoxd& range) {
                   {Coord::ceil(range.min()).offsetBy(-1), Coord::floor(range.max()).offsetBy(1)});
 }
 
-/// The column at a vertex: its lateral index, and its slice.
-std::array<int, 2> column_at(const CarveStep& step, int lateral, int slice) {
-    return {step.around() ? (lateral + step.laterals()) % step.laterals() : lateral,
-            step.closed() ? (slice + step.slices()) % step.slices() : slice};
-}
-
 /// The common displacement of all vertices of a box of a step's carved space, half vertices;
 /// nothing if they differ.
 /// @param vertices  not empty; along a closed axis across the carved one they may lie one turn off
 std::optional<int> common_displacement(const CarveStep& step, const CoordBBox& vertices) {
+    const auto& columns = step.columns();
     const int first = vertices.min()[step.axis()], last = vertices.max()[step.axis()];
     std::optional<int> out;
     for (int w = vertices.min()[step.slice_axis()]; w <= vertices.max()[step.slice_axis()]; ++w)
         for (int v = vertices.min()[step.lateral_axis()]; v <= vertices.max()[step.lateral_axis()];
              ++v) {
-            const auto [lateral, slice] = column_at(step, v, w);
-            const auto bounds = step.first_displaced(lateral, slice);
+            const auto bounds = step.first_displaced(
+                columns.index(columns.turned_lateral(v), columns.turned_slice(w)));
             const auto passed = CarveStep::passed(first, bounds);
             const int displacement = step.displacement(first, passed, bounds);
             if (out.value_or(displacement) != displacement ||
@@ -67,10 +63,11 @@ std::optional<int> common_displacement(const CarveStep& step, const CoordBBox& v
 /// Whether no vertex of a box of a step's carved space is displaced.
 bool stays(const CarveStep& step, const CoordBBox& vertices) {
     if (!step.soft()) return common_displacement(step, vertices) == 0;
+    const auto& columns = step.columns();
     for (auto at = vertices.begin(); at; ++at) {
-        const auto [lateral, slice] =
-            column_at(step, (*at)[step.lateral_axis()], (*at)[step.slice_axis()]);
-        if (step.soft()->entry((*at)[step.axis()], lateral, slice) != 0) return false;
+        const auto column = columns.index(columns.turned_lateral((*at)[columns.lateral_axis()]),
+                                          columns.turned_slice((*at)[columns.slice_axis()]));
+        if (step.soft()->entry((*at)[step.axis()], column) != 0) return false;
     }
     return true;
 }

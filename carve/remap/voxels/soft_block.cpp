@@ -83,7 +83,7 @@ public:
     }
 
 private:
-    bool carved(const Coord& vertex) const { return step_.has_column(vertex); }
+    bool carved(const Coord& vertex) const { return step_.columns().has(vertex); }
     FLUIDCARVE_INLINE Eight displacements(const Coord& vertex) const {
         return eight_entries(soft_, soft_.column(vertex[lateral_], vertex[slice_]), vertex[axis_]);
     }

@@ -77,7 +77,7 @@ std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const P
                last = static_cast<std::size_t>(step.slice_axis());
     const std::uint16_t nothing = 0;
     const auto [slices, laterals, unused] =
-        gathered_shape({step.slices(), step.laterals(), 0}, finest);
+        gathered_shape({step.columns().slices, step.columns().laterals, 0}, finest);
     tbb::parallel_for(0, slices, [&, laterals = laterals](int k) {
         for (int lateral = 0; lateral < laterals; ++lateral) {
             const auto column = [&](const Places& places) {
@@ -101,8 +101,8 @@ std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const P
                                       : mix(*low, low[before.stride[along]], part);
                 target += after.stride[along];
             };
-            const int fine_lateral = step.first_lateral() + finest * lateral,
-                      fine_slice = step.first_slice() + finest * k;
+            const int fine_lateral = step.columns().first_lateral + finest * lateral,
+                      fine_slice = step.columns().first_slice + finest * k;
             if (step.warps()) each_warp_source(step, fine_lateral, fine_slice, set);
             else each_seam_source(step, fine_lateral, fine_slice, set);
         }

@@ -22,8 +22,9 @@ openvdb::Vec3d original_vertex(const std::vector<CarveStep>& steps, openvdb::Vec
         const int entry = whole(step->axis()) + step->start();
         at[step->axis()] +=
             step->start() - step->origin() +
-            0.5 * step->displacement(entry, step->first_lateral() + whole(step->lateral_axis()),
-                                     step->first_slice() + whole(step->slice_axis()));
+            0.5 * step->displacement(entry,
+                                     step->columns().first_lateral + whole(step->lateral_axis()),
+                                     step->columns().first_slice + whole(step->slice_axis()));
     }
     return at;
 }

@@ -25,7 +25,7 @@ namespace {
 /// The mean of the displacements of 2n + 1 entries, of fewer at the ends, straight from the
 /// definition.
 double filtered(const CarveStep& step, int entry, int lateral, int k) {
-    k = step.closed() ? (k + step.slices()) % step.slices() : k;
+    k = step.columns().closed ? (k + step.columns().slices) % step.columns().slices : k;
     const int beside = std::min({step.count(), entry, step.after() - 1 - entry});
     double content = 0;
     for (int e = entry - beside; e <= entry + beside; ++e)
@@ -107,8 +107,8 @@ TEST_CASE(
         const auto map = map_of(lattice, {seams});
         const auto& step = map.steps()[0];
         const SmoothDisplacement smooth(step);
-        for (int k = 0; k < step.slices(); ++k)
-            for (int lateral = 0; lateral < step.laterals(); ++lateral)
+        for (int k = 0; k < step.columns().slices; ++k)
+            for (int lateral = 0; lateral < step.columns().laterals; ++lateral)
                 for (int e = 0; e < step.after(); ++e) {
                     Vec3d at(vertex_of<double>(axis, e, lateral, k).data()), gradient;
                     gradient[step.axis()] =
@@ -116,10 +116,10 @@ TEST_CASE(
                                 step.after(), false);
                     gradient[step.lateral_axis()] =
                         central([&](int x) { return filtered(step, e, x, k); }, lateral,
-                                step.laterals(), false);
+                                step.columns().laterals, false);
                     gradient[step.slice_axis()] =
                         central([&](int x) { return filtered(step, e, lateral, x); }, k,
-                                step.slices(), step.closed());
+                                step.columns().slices, step.columns().closed);
                     const auto got = smooth.at(at, step);
                     INFO("case " << n << ", entry " << e << ", column " << lateral << ", " << k);
                     REQUIRE(got.d == Approx(filtered(step, e, lateral, k)).margin(1e-5));

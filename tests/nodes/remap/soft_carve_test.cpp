@@ -66,8 +66,8 @@ TEST_CASE(
     const auto seams = random_seams(random, lattice, lattice.shape, axis, kind, 7, {1, 2, 3});
     const auto map = soft_map(lattice, {seams}, {soft, 1}, 2);
     const auto& step = map.steps()[0];
-    for (int k = 0; k < step.slices(); ++k)
-        for (int lateral = 0; lateral < step.laterals(); ++lateral) {
+    for (int k = 0; k < step.columns().slices; ++k)
+        for (int lateral = 0; lateral < step.columns().laterals; ++lateral) {
             for (int e = 0; e < step.last(); ++e)
                 REQUIRE(source(step, e + 1, lateral, k) > source(step, e, lateral, k) + 0.2);
             REQUIRE(source(step, 0, lateral, k) > -0.5);

@@ -36,13 +36,15 @@ double bump(int entry, int lateral, int k, int t) {
 
 /// Where a carved place comes from, by the step's displacements.
 double source(const CarveStep& step, const Vec3d& at) {
-    const int j = std::min(static_cast<int>(at[step.lateral_axis()]), step.last_lateral()),
+    const int j = std::min(static_cast<int>(at[step.lateral_axis()]),
+                           step.columns().last_lateral()),
               k = static_cast<int>(at[step.slice_axis()]);
     const int e = std::min(static_cast<int>(at[step.axis()]), step.last());
     const auto d = [&](int de, int dj, int dk) {
         return static_cast<double>(step.soft()->entry(
-            e + de, std::min(j + dj, step.last_lateral()),
-            step.closed() ? (k + dk) % step.slices() : std::min(k + dk, step.slices() - 1)));
+            e + de, std::min(j + dj, step.columns().last_lateral()),
+            step.columns().closed ? (k + dk) % step.columns().slices
+                                  : std::min(k + dk, step.columns().slices - 1)));
     };
     const double x = at[step.axis()] - e, y = at[step.lateral_axis()] - j,
                  z = at[step.slice_axis()] - k;
