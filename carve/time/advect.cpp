@@ -10,9 +10,10 @@ namespace {
 
 template <class GridT>
 typename GridT::Ptr moved(const GridT& grid, const openvdb::Vec3SGrid& motion, double time,
-                          bool mac_cormack) {
+                          Transport transport) {
     using namespace openvdb::tools;
     VolumeAdvection<openvdb::Vec3SGrid> advection(motion);
+    const bool mac_cormack = transport == Transport::mac_cormack;
     advection.setIntegrator(mac_cormack ? Scheme::MAC : Scheme::MID);
     advection.setLimiter(mac_cormack ? Scheme::CLAMP : Scheme::NO_LIMITER);
     return advection.advect<GridT, BoxSampler>(grid, time);
@@ -21,13 +22,13 @@ typename GridT::Ptr moved(const GridT& grid, const openvdb::Vec3SGrid& motion, d
 }  // namespace
 
 openvdb::FloatGrid::Ptr advected(const openvdb::FloatGrid& grid, const openvdb::Vec3SGrid& motion,
-                                 double time, bool mac_cormack) {
-    return moved(grid, motion, time, mac_cormack);
+                                 double time, Transport transport) {
+    return moved(grid, motion, time, transport);
 }
 
 openvdb::Vec3SGrid::Ptr advected(const openvdb::Vec3SGrid& grid, const openvdb::Vec3SGrid& motion,
-                                 double time, bool mac_cormack) {
-    return moved(grid, motion, time, mac_cormack);
+                                 double time, Transport transport) {
+    return moved(grid, motion, time, transport);
 }
 
 }  // namespace fluidcarve

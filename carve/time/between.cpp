@@ -102,7 +102,7 @@ struct Side {
             openvdb::tools::resampleToMatch<openvdb::tools::BoxSampler>(*of, *matched);
             grid = matched.get();
         }
-        if (way) moved = advected(*grid, *way, 1, transport == Transport::mac_cormack);
+        if (way) moved = advected(*grid, *way, 1, transport);
     }
     const GridT* shown() const { return moved ? moved.get() : grid; }
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "carve/base/values.h"
+#include "carve/time/advect.h"
 #include "carve/time/points_between.h"
 #include "carve/volume/volume.h"
 
@@ -10,9 +11,6 @@
 
 namespace fluidcarve {
 
-/// How values are moved: back along the motion (openvdb::tools::VolumeAdvection, midpoint steps),
-/// or with MacCormack's correction, which is sharper, clamped to the neighbouring values.
-enum class Transport { semi_lagrangian, mac_cormack };
 template <>
 struct ChoiceNames<Transport> {
     static constexpr std::array names = {std::pair{"semi_lagrangian", Transport::semi_lagrangian},
