@@ -60,19 +60,19 @@ int Pyramid::passes(bool looks, int level) const {
 }
 
 void Pyramid::refine(StripMessages& messages, int level, bool looks, bool attracts, int number,
-                     std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const {
+                     std::vector<std::uint16_t>& seam, const std::function<void()>& check) const {
     const auto& strip = messages.strip();
     const auto cut = [&](double tolerance) {
-        seam = cut_seam(strip, seam, 1, tolerance, number, tick).at;
+        seam = cut_seam(strip, seam, 1, tolerance, number, check).at;
     };
     // Messages weigh attracted vertices against all other costs; a cut in a narrow band takes
     // them.
     const bool cuts = quality_ == Quality::best || attracts;
-    if (!attracts) messages.improve(seam, passes(looks, level), level > 0, tick);
+    if (!attracts) messages.improve(seam, passes(looks, level), level > 0, check);
     if (cuts) cut(1e-3);
     const LineSweeps sweep(strip);
     for (int turn = 0; turn < effort_for(looks, quality_).sweeps; ++turn) {
-        tick();
+        check();
         sweep(seam, turn);
     }
     if (cuts) cut(1e-4);
@@ -80,20 +80,20 @@ void Pyramid::refine(StripMessages& messages, int level, bool looks, bool attrac
 
 Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window, int number,
                                        int level, bool looks, bool attracts,
-                                       const std::function<void()>& tick) const {
+                                       const std::function<void()>& check) const {
     const Columns columns(energy);
     const auto& effort = effort_for(looks, quality_);
     if (small(energy, window, effort))
         return {
-            cut_seam(energy, Band::whole(columns.count(), window), effort.tolerance, number, tick)
+            cut_seam(energy, Band::whole(columns.count(), window), effort.tolerance, number, check)
                 .at,
             std::nullopt};
     Level out;
     {
         const auto coarse = restrict_energy(energy, window, energy.barrier());
-        tick();
+        check();
         const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, level + 1, looks,
-                                          attracts, tick);
+                                          attracts, check);
         out.seam = past_protected(energy, window,
                                   prolong_seam(Columns(coarse), found.seam, columns, window));
         Strip strip(energy, Band::around(out.seam, radius, window), memory_);
@@ -101,29 +101,29 @@ Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window
             out.messages.emplace(std::move(strip), window, *found.messages, memory_);
         else out.messages.emplace(std::move(strip), memory_);
     }
-    refine(*out.messages, level, looks, attracts, number, out.seam, tick);
+    refine(*out.messages, level, looks, attracts, number, out.seam, check);
     return out;
 }
 
 Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int number,
                                 const Tick& tick, SeamBounds* bounds) const {
-    const auto alive = [&] { tick(0); };
+    const auto check = [&] { tick(0); };
     if (in_open_line(energy)) return lines_(energy, window, number, tick);
     const bool looks = energy.has_field() || energy.slabs();
     if (small(energy, window, effort_for(looks, quality_)))
-        return exact_seam(energy, window, number, alive);
+        return exact_seam(energy, window, number, check);
     std::vector<std::uint16_t> best;
     bool bounded = false;
     tbb::parallel_invoke(
         [&] {
-            best = coarse_to_fine(energy, window, number, 0, looks, energy.attracts(), alive).seam;
+            best = coarse_to_fine(energy, window, number, 0, looks, energy.attracts(), check).seam;
         },
         [&] {
-            bounded = bounds && bounds->find(energy, window, number, [&](double) { alive(); });
+            bounded = bounds && bounds->find(energy, window, number, [&](double) { check(); });
         });
     auto least = cost_of(energy, best);
     const auto greedy = greedy_seam_within(
-        energy, window, number, energy.slabs() ? 1 : starts_, least, [&](double) { alive(); },
+        energy, window, number, energy.slabs() ? 1 : starts_, least, [&](double) { check(); },
         bounded ? bounds : nullptr);
     if (const auto cost = !greedy             ? least
                           : energy.attracts() ? cost_of(energy, greedy->at)
@@ -131,7 +131,7 @@ Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int n
         cost < least) {
         best.assign(greedy->at.begin(), greedy->at.end());
         StripMessages messages(Strip(energy, Band::around(best, radius, window), memory_), memory_);
-        refine(messages, 0, looks, energy.attracts(), number, best, alive);
+        refine(messages, 0, looks, energy.attracts(), number, best, check);
         least = cost_of(energy, best);
         if (cost < least) {
             best.assign(greedy->at.begin(), greedy->at.end());

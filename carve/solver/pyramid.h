@@ -44,11 +44,11 @@ private:
     /// @param level  0: the finest
     int passes(bool looks, int level) const;
     Level coarse_to_fine(const EnergyVolume& energy, Window window, int number, int level,
-                         bool looks, bool attracts, const std::function<void()>& tick) const;
+                         bool looks, bool attracts, const std::function<void()>& check) const;
     /// Improves a seam within the strip of its messages.
     /// @param attracts  whether seams are to take marked vertices
     void refine(StripMessages& messages, int level, bool looks, bool attracts, int number,
-                std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const;
+                std::vector<std::uint16_t>& seam, const std::function<void()>& check) const;
 
     Quality quality_;
     int starts_;

@@ -141,12 +141,12 @@ void TimeSurface::smooth(std::vector<float>& values, int times) const {
 
 std::optional<TimeSurface> surface_between(
     const Sequence& source, const std::vector<std::pair<std::size_t, std::size_t>>& pairs,
-    double width, const std::function<void()>& tick) {
+    double width, const std::function<void()>& check) {
     if (source.box().empty()) return std::nullopt;
     std::optional<TimeSurface> out;
     FloatGrid::ConstPtr like;
     for (const auto& [first, second] : pairs) {
-        tick();
+        check();
         const auto shown = shown_in(source.at(first).volume, source.at(second).volume);
         if (!shown || (like && shown->first->transform() != like->transform())) return std::nullopt;
         like = shown->first;

@@ -50,10 +50,10 @@ private:
 /// @param pairs  indices in the source of a frame of the first run and of the frame into which it
 ///   changes; at least one pair
 /// @param width  as above
-/// @param tick   called between pairs
+/// @param check  called between pairs
 /// @return nothing if these frames do not all show a float grid of one transform
 std::optional<TimeSurface> surface_between(
     const Sequence& source, const std::vector<std::pair<std::size_t, std::size_t>>& pairs,
-    double width, const std::function<void()>& tick);
+    double width, const std::function<void()>& check);
 
 }  // namespace fluidcarve

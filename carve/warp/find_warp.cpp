@@ -75,8 +75,7 @@ void each_column(const Warp& warp, const Work& work) {
 /// A warp that is being found.
 class Search {
 public:
-    Search(const WarpTask& task, Warp& warp, FrameStore& weights,
-           const std::function<void(double)>& tick)
+    Search(const WarpTask& task, Warp& warp, FrameStore& weights, const Tick& tick)
         : task_(task), warp_(warp), weights_(weights), tick_(tick), parts_(parts_of(task)) {
         for (const auto& part : parts_) windows_.push_back(points_in(part.window, warp));
     }
@@ -245,7 +244,7 @@ private:
     const WarpTask& task_;
     Warp& warp_;
     FrameStore& weights_;
-    const std::function<void(double)>& tick_;
+    const Tick& tick_;
     std::vector<Part> parts_;
     std::vector<Window> windows_;  ///< of each part, in points
     std::vector<std::unique_ptr<WarpSystem>> systems_;
@@ -317,8 +316,7 @@ std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const Fram
                   found.intervals};
 }
 
-int find_warp(const WarpTask& task, Warp& warp, FrameStore& weights,
-              const std::function<void(double)>& tick) {
+int find_warp(const WarpTask& task, Warp& warp, FrameStore& weights, const Tick& tick) {
     return Search(task, warp, weights, tick).run();
 }
 

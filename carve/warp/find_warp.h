@@ -1,12 +1,12 @@
 #pragma once
 
 #include "carve/base/frame_store.h"
+#include "carve/base/tick.h"
 #include "carve/seam/warp.h"
 #include "carve/seam/window.h"
 #include "carve/warp/warp_system.h"
 
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -55,8 +55,7 @@ std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const Fram
 /// @param weights  may be raised
 /// @param tick     is called between cycles with the share that is done, 0 to 1
 /// @return the number of multigrid cycles
-int find_warp(const WarpTask& task, Warp& warp, FrameStore& weights,
-              const std::function<void(double)>& tick);
+int find_warp(const WarpTask& task, Warp& warp, FrameStore& weights, const Tick& tick);
 
 /// The greatest amount of a sign, by bounds() of the warp, up to which a linear warp squeezes
 /// nothing by more than `most_squeezed`, vertices from 0 on; infinite if it squeezes nothing.

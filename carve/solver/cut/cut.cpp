@@ -73,12 +73,12 @@ public:
         }
     }
     /// Pushes until nothing is left to push or about `most` nodes were visited.
-    template <class Tick>
-    void push(std::int64_t most, const Tick& tick) {
+    template <class Check>
+    void push(std::int64_t most, const Check& check) {
         std::vector<std::int64_t> steps(all_.size(), 0);
         bool idle = false;
         while (!idle && std::accumulate(steps.begin(), steps.end(), std::int64_t{0}) < most) {
-            tick();
+            check();
             // Regions that touch each other push in turn.
             for (std::size_t parity = 0; parity < 2; ++parity)
                 tbb::parallel_for(parity, all_.size(), std::size_t{2}, [&](std::size_t n) {
@@ -279,12 +279,12 @@ bool Cut::solve_tiles(bool shifted, double tolerance) {
     return !overflowed;
 }
 
-bool Cut::solve_whole(double tolerance, const std::function<void()>& tick) {
+bool Cut::solve_whole(double tolerance, const std::function<void()>& check) {
     Regions regions(graph_, layers());
     // In a group of tasks of which another one has failed, loops do nothing: the search would never
     // end.
     const auto go_on = [&] {
-        tick();
+        check();
         if (tbb::is_current_task_group_canceling()) throw Cancelled{};
     };
     while (true) {
@@ -299,11 +299,11 @@ bool Cut::solve_whole(double tolerance, const std::function<void()>& tick) {
     return true;
 }
 
-bool Cut::solve(double tolerance, const std::function<void()>& tick) {
+bool Cut::solve(double tolerance, const std::function<void()>& check) {
     const bool tiled = graph_.tags.size() > most_untiled;
     if (tiled && !(solve_tiles(false, 4 * tolerance) && solve_tiles(true, 2 * tolerance)))
         return false;
-    return solve_whole(tolerance, tick);
+    return solve_whole(tolerance, check);
 }
 
 std::vector<std::uint16_t> Cut::seam() const {

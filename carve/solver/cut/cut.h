@@ -54,10 +54,10 @@ public:
 
     /// Finds the flow, and with it the seam.
     /// @param tolerance  how much the seam may cost above the least, as a share of the flow
-    /// @param tick       called often; may throw to stop
+    /// @param check      called often; may throw to stop
     /// @return false if more flow gathered than an arc holds, 31 bits: then there is no seam, and
     ///   lower costs are needed
-    [[nodiscard]] bool solve(double tolerance, const std::function<void()>& tick);
+    [[nodiscard]] bool solve(double tolerance, const std::function<void()>& check);
 
     /// The seam: an entry per column; feasible.
     std::vector<std::uint16_t> seam() const;
@@ -76,7 +76,7 @@ private:
     std::vector<ColumnBox> tiles(std::size_t nodes, bool shifted) const;
     std::vector<ColumnBox> layers() const;
     bool solve_tiles(bool shifted, double tolerance);
-    bool solve_whole(double tolerance, const std::function<void()>& tick);
+    bool solve_whole(double tolerance, const std::function<void()>& check);
 
     const bool reversed_;
     Residual graph_;

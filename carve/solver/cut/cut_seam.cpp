@@ -82,7 +82,7 @@ struct Search {
     bool protects;  ///< whether some cost is infinite
     double tolerance;
     int number;
-    const std::function<void()>& tick;
+    const std::function<void()>& check;
 };
 
 /// Cuts a band with costs from any source.
@@ -123,7 +123,7 @@ CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at,
         Cut cut(columns, band, cost_of, steps ? Cut::LiftsOf(lifts_of) : nullptr,
                 search.number % 2 != 0);
         // If more flow gathers than an arc holds, the cut is repeated with a smaller scale.
-        if (cut.solve(search.tolerance, search.tick))
+        if (cut.solve(search.tolerance, search.check))
             return {cut.seam(), static_cast<double>(cut.flow()) / scale + sum_of_lows};
     }
 }
@@ -207,24 +207,24 @@ private:
 }  // namespace
 
 CutSeam cut_seam(const EnergyVolume& energy, const Band& band, double tolerance, int number,
-                 const std::function<void()>& tick) {
+                 const std::function<void()>& check) {
     return with_costs(energy, [&](const auto& cost_at) {
         return solve(Columns(energy), band, cost_at, energy.steps(),
-                     {energy.protects(), tolerance, number, tick});
+                     {energy.protects(), tolerance, number, check});
     });
 }
 
 Seams::Seam exact_seam(const EnergyVolume& energy, Window window, int number,
-                       const std::function<void()>& tick) {
-    auto cut = cut_seam(energy, Band::whole(Columns(energy).count(), window), 0, number, tick);
+                       const std::function<void()>& check) {
+    auto cut = cut_seam(energy, Band::whole(Columns(energy).count(), window), 0, number, check);
     const auto sum = energy_of(energy, cut.at),
                bound = energy_bound(energy, cut.at, cut.lower_bound);
     return {std::move(cut.at), sum, bound};
 }
 
 Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number, int interval,
-                           double threshold, const std::function<void()>& tick) {
-    const Search search{energy.protects(), 0, number, tick};
+                           double threshold, const std::function<void()>& check) {
+    const Search search{energy.protects(), 0, number, check};
     KeyframedSeam seam(energy, window, threshold, search);
     const auto most = static_cast<std::size_t>(interval);
     for (std::size_t begin = 0; begin < energy.frames(); begin += most)
@@ -235,7 +235,7 @@ Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number
 }
 
 CutSeam cut_seam(const Strip& strip, std::span<const std::uint16_t> seam, int radius,
-                 double tolerance, int number, const std::function<void()>& tick) {
+                 double tolerance, int number, const std::function<void()>& check) {
     Band band;
     band.columns.reserve(seam.size());
     for (std::size_t c = 0; c < seam.size(); ++c)
@@ -244,7 +244,7 @@ CutSeam cut_seam(const Strip& strip, std::span<const std::uint16_t> seam, int ra
              static_cast<std::uint16_t>(std::min<int>(seam[c] + radius, strip[c].last))});
     return solve(strip.columns(), band,
                  [&](std::size_t c, int entry) { return strip.energy(c, entry); }, strip.steps(),
-                 {strip.protects(), tolerance, number, tick});
+                 {strip.protects(), tolerance, number, check});
 }
 
 }  // namespace fluidcarve

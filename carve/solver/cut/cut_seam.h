@@ -24,12 +24,12 @@ struct CutSeam {
 /// @param number     number of seams found before; ties lean to one side for even numbers, to the
 ///   other for odd
 CutSeam cut_seam(const EnergyVolume& energy, const Band& band, double tolerance, int number,
-                 const std::function<void()>& tick);
+                 const std::function<void()>& check);
 
 /// Finds the exact seam of a window. If vertices are attracted, its lower bound holds for seams
 /// that take as many.
 Seams::Seam exact_seam(const EnergyVolume& energy, Window window, int number,
-                       const std::function<void()>& tick);
+                       const std::function<void()>& check);
 
 /// The paper's method for long sequences (from Flynn et al.), for comparison. The sequence is cut
 /// interval by interval, each continuing the one before. A seam is moved aside if protected
@@ -37,10 +37,10 @@ Seams::Seam exact_seam(const EnergyVolume& energy, Window window, int number,
 /// @param interval   frames, at least 1
 /// @param threshold  energies below it count as 0
 Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number, int interval,
-                           double threshold, const std::function<void()>& tick);
+                           double threshold, const std::function<void()>& check);
 
 /// cut_seam() in the part of a strip within `radius` entries of a seam.
 CutSeam cut_seam(const Strip& strip, std::span<const std::uint16_t> seam, int radius,
-                 double tolerance, int number, const std::function<void()>& tick);
+                 double tolerance, int number, const std::function<void()>& check);
 
 }  // namespace fluidcarve

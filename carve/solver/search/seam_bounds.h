@@ -1,20 +1,16 @@
 #pragma once
 
+#include "carve/base/tick.h"
 #include "carve/seam/seams.h"
 #include "carve/seam/window.h"
 #include "carve/solver/costs/energy_volume.h"
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 
 namespace fluidcarve {
-
-/// Takes the progress of the work, 0 to 1. Called a few times a second, from several threads at
-/// once; stops the work by throwing.
-using Tick = std::function<void(double fraction)>;
 
 /// A seam that is known up to a frame.
 struct SeamStart {

@@ -140,7 +140,7 @@ StripMessages::StripMessages(Strip strip, Window window, const StripMessages& co
 }
 
 void StripMessages::pass(bool forward, const Origin& origin, const std::vector<std::uint16_t>& seam,
-                         std::vector<std::uint16_t>* taken, const std::function<void()>& tick) {
+                         std::vector<std::uint16_t>* taken, const std::function<void()>& check) {
     const auto& columns = strip_.columns();
     const auto& steps = strip_.steps();
     const std::array size{columns.laterals(), columns.slices(), columns.frames()};
@@ -171,7 +171,7 @@ void StripMessages::pass(bool forward, const Origin& origin, const std::vector<s
                     else pass_free(work, box.begin[0], box.end[0], k, t);
                 }
         },
-        [&](double) { tick(); });
+        [&](double) { check(); });
 }
 
 void StripMessages::forget(const Origin& origin) {
@@ -187,26 +187,26 @@ void StripMessages::forget(const Origin& origin) {
 }
 
 void StripMessages::improve(std::vector<std::uint16_t>& seam, int passes, bool goes_on,
-                            const std::function<void()>& tick) {
+                            const std::function<void()>& check) {
     const auto& columns = strip_.columns();
-    if (!columns.ring(0) && !columns.ring(1)) return improve(seam, passes, {0, 0}, goes_on, tick);
+    if (!columns.ring(0) && !columns.ring(1)) return improve(seam, passes, {0, 0}, goes_on, check);
     // Seams around a ring cost most beside the column at which messages begin. So they begin at the
     // middle, then at column 0.
     const Origin middle{columns.ring(0) ? columns.laterals() / 2 : 0,
                         columns.ring(1) ? columns.slices() / 2 : 0};
-    improve(seam, passes, middle, true, tick);
+    improve(seam, passes, middle, true, check);
     forget(middle);
     forget({0, 0});
-    improve(seam, passes, {0, 0}, goes_on, tick);
+    improve(seam, passes, {0, 0}, goes_on, check);
 }
 
 void StripMessages::improve(std::vector<std::uint16_t>& seam, int passes, const Origin& origin,
-                            bool goes_on, const std::function<void()>& tick) {
+                            bool goes_on, const std::function<void()>& check) {
     auto found = seam;
     for (int n = 0; n < passes; ++n) {
         const bool last = n + 1 == passes;
-        pass(true, origin, seam, last ? &found : nullptr, tick);
-        if (!last || goes_on) pass(false, origin, seam, nullptr, tick);
+        pass(true, origin, seam, last ? &found : nullptr, check);
+        if (!last || goes_on) pass(false, origin, seam, nullptr, check);
     }
     if (strip_.protects())
         found = moved_aside(

@@ -33,16 +33,16 @@ public:
     /// @param passes   to and fro
     /// @param goes_on  whether finer messages will begin with these; else the last pass back is
     ///   left out
-    /// @param tick     called often; may throw to stop
+    /// @param check    called often; may throw to stop
     void improve(std::vector<std::uint16_t>& seam, int passes, bool goes_on,
-                 const std::function<void()>& tick);
+                 const std::function<void()>& check);
 
 private:
     /// Where rings begin, along lateral and k.
     using Origin = std::array<std::size_t, 2>;
 
     void improve(std::vector<std::uint16_t>& seam, int passes, const Origin& origin, bool goes_on,
-                 const std::function<void()>& tick);
+                 const std::function<void()>& check);
     /// Clears the messages that close rings: if rings begin elsewhere, these messages run the
     /// other way.
     void forget(const Origin& origin);
@@ -52,7 +52,7 @@ private:
     /// @param taken    becomes the seam that the messages lead to, which may pass protected
     ///   vertices; null: none is wanted
     void pass(bool forward, const Origin& origin, const std::vector<std::uint16_t>& seam,
-              std::vector<std::uint16_t>* taken, const std::function<void()>& tick);
+              std::vector<std::uint16_t>* taken, const std::function<void()>& check);
 
     Strip strip_;
     KeptMemory::Array<ColumnMessages> messages_;  ///< `[column]`

@@ -17,7 +17,7 @@ using namespace fluidcarve;
 
 namespace {
 
-const std::function<void(double)> nobody = [](double) {};
+const Tick nobody = [](double) {};
 
 /// A lattice with weights, and the warp that is found in it.
 struct Found {
