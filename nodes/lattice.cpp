@@ -230,7 +230,7 @@ struct LatticeBuild : LatticeNode {
     static void check(const Params& params, NodeCheck& check) { check_params(params, check); }
 
     static void foresee(const Params& params, Outlook& ahead) {
-        if (!params.spacing || params.extent_u.shares || params.extent_v.shares) return;
+        if (!params.spacing || params.extent_u.percent || params.extent_v.percent) return;
         deliver_form(form_of(spec_of(params, {}, *params.spacing)), ahead);
         if (!ahead.receives("content").empty()) return;  // content continues beyond the rig
         const auto most = [](const RigExtent& extent) {

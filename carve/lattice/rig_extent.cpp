@@ -5,7 +5,7 @@
 namespace fluidcarve {
 
 std::string to_text(const RigExtent& extent) {
-    const auto* const unit = extent.shares ? "%" : "";
+    const auto* const unit = extent.percent ? "%" : "";
     return fmt::format("[{}{}, {}{}]", extent.low, unit, extent.high, unit);
 }
 

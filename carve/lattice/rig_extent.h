@@ -9,11 +9,11 @@ namespace fluidcarve {
 /// content's width, so that one setting serves content of any size.
 struct RigExtent {
     double low = 0, high = 0;
-    bool shares = false;
+    bool percent = false;
 
     /// Both ends in world units. @param width  of the content, world units
     std::array<double, 2> of(double width) const {
-        const double unit = shares ? width / 100 : 1;
+        const double unit = percent ? width / 100 : 1;
         return {low * unit, high * unit};
     }
 };

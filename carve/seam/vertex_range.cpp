@@ -8,17 +8,17 @@ namespace fluidcarve {
 
 Window VertexRange::of(int size) const {
     const auto vertex = [&](double stated) {
-        return static_cast<int>(std::lround(shares ? stated / 100 * (size - 1) : stated));
+        return static_cast<int>(std::lround(percent ? stated / 100 * (size - 1) : stated));
     };
     return {vertex(first), vertex(last)};
 }
 
 std::optional<Window> VertexRange::vertices() const {
-    return shares ? std::nullopt : std::optional(of(0));
+    return percent ? std::nullopt : std::optional(of(0));
 }
 
 std::string to_text(const VertexRange& range) {
-    const auto* const unit = range.shares ? "%" : "";
+    const auto* const unit = range.percent ? "%" : "";
     return fmt::format("[{}{}, {}{}]", range.first, unit, range.last, unit);
 }
 

@@ -13,9 +13,9 @@ namespace fluidcarve {
 /// spacing.
 struct VertexRange {
     double first = 0, last = 0;  ///< whole vertices, or percent
-    bool shares = false;
+    bool percent = false;
 
-    /// The window in vertices; shares are rounded. @param size  vertices along the axis
+    /// The window in vertices; percentages are rounded. @param size  vertices along the axis
     Window of(int size) const;
     /// The window, if it is stated in vertices and so does not depend on the lattice.
     std::optional<Window> vertices() const;
@@ -28,7 +28,7 @@ struct PairRanges {
     std::optional<VertexRange> below;
 };
 
-/// The window of a range that is stated in vertices; nothing for shares, or for no range.
+/// The window of a range that is stated in vertices; nothing for percentages, or for no range.
 std::optional<Window> vertices_of(const Auto<VertexRange>& range);
 
 /// Why a window and its pair window can't lie where they do, for a message; nothing if they can.

@@ -29,9 +29,9 @@ bool WarpAmount::nothing() const {
                                    [](const Point& point) { return point.amount.value == 0; });
     };
     if (!sections.empty()) return std::ranges::all_of(sections, none, &Section::points);
-    return none(points) || (!shares.empty() && std::ranges::all_of(shares, [](const Share& share) {
-               return share.share == 0;
-           }));
+    return none(points) ||
+           (!factors.empty() &&
+            std::ranges::all_of(factors, [](const Factor& each) { return each.factor == 0; }));
 }
 
 WarpAmount WarpAmount::in_vertices(double size) const {
@@ -60,21 +60,21 @@ double WarpAmount::at(double w, double frame, int size) const {
                       [&](const Section& section) { return linear(section.points, w, each); });
     const bool along_w = along == Along::w;
     const double amount = linear(points, along_w ? w : frame, each);
-    return shares.empty() ? amount
-                          : amount * linear(shares, along_w ? frame : w,
-                                            [](const Share& share) { return share.share; });
+    return factors.empty() ? amount
+                           : amount * linear(factors, along_w ? frame : w,
+                                             [](const Factor& each) { return each.factor; });
 }
 
 std::string to_text(const WarpAmount& amount) {
     if (!amount.varies()) return to_text(amount.constant);
-    std::vector<std::string> points, shares;
+    std::vector<std::string> points, factors;
     for (const auto& point : amount.points)
         points.push_back(fmt::format("[{}, {}]", point.at, to_text(point.amount)));
-    for (const auto& share : amount.shares)
-        shares.push_back(fmt::format("[{}, {}]", share.at, share.share));
+    for (const auto& each : amount.factors)
+        factors.push_back(fmt::format("[{}, {}]", each.at, each.factor));
     return fmt::format(
         "{{along: {}, at: [{}]{}}}", choice_text(amount.along), fmt::join(points, ", "),
-        shares.empty() ? std::string() : fmt::format(", over: [{}]", fmt::join(shares, ", ")));
+        factors.empty() ? std::string() : fmt::format(", over: [{}]", fmt::join(factors, ", ")));
 }
 
 }  // namespace fluidcarve

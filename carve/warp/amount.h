@@ -20,9 +20,9 @@ struct WarpAmount {
         double at = 0;
         Count amount;
     };
-    struct Share {
+    struct Factor {
         double at = 0;  ///< place along the other dimension
-        double share = 0;
+        double factor = 0;
     };
     struct Section {
         double at = 0;              ///< a frame number
@@ -36,14 +36,14 @@ struct WarpAmount {
     Along along = Along::w;  ///< of `points`
     /// Points of a curve, rising; linear between them, constant beyond; empty: no curve.
     std::vector<Point> points;
-    std::vector<Share> shares;  ///< factors along the other dimension, the same way; empty: all 1
+    std::vector<Factor> factors;  ///< along the other dimension, the same way; empty: all 1
     /// Curves at frames, rising; linear between them, constant beyond. There are then no `points`
-    /// and `shares`; empty: none.
+    /// and `factors`; empty: none.
     std::vector<Section> sections;
 
     bool varies() const { return !points.empty() || !sections.empty(); }
     bool varies_along(Along dimension) const {
-        return varies() && (dimension == along || !shares.empty() || !sections.empty());
+        return varies() && (dimension == along || !factors.empty() || !sections.empty());
     }
     /// Whether all amounts are 0.
     bool nothing() const;

@@ -60,9 +60,9 @@ float length_of(const Warp& warp, int point) {
     return static_cast<float>(warp.vertex_of(0, point + 1) - warp.vertex_of(0, point));
 }
 
-float share_of(const WarpTask& task, const Warp& warp, std::size_t t, std::size_t column) {
-    return task.shares[t * static_cast<std::size_t>(warp.points()[2]) +
-                       column / static_cast<std::size_t>(warp.points()[1])];
+float factor_of(const WarpTask& task, const Warp& warp, std::size_t t, std::size_t column) {
+    return task.factors[t * static_cast<std::size_t>(warp.points()[2]) +
+                        column / static_cast<std::size_t>(warp.points()[1])];
 }
 
 /// Calls `work(t, column)` for all columns in parallel.
@@ -115,9 +115,9 @@ private:
             const auto values = column(t, c);
             std::ranges::fill(values, 0.0f);
             for (std::size_t n = 0; n < parts_.size(); ++n) {
-                const float share = share_of(task_, warp_, t, c),
-                            low = share * static_cast<float>(parts_[n].low),
-                            high = share * static_cast<float>(parts_[n].high);
+                const float factor = factor_of(task_, warp_, t, c),
+                            low = factor * static_cast<float>(parts_[n].low),
+                            high = factor * static_cast<float>(parts_[n].high);
                 const auto window = windows_[n];
                 const auto first = static_cast<std::size_t>(window.first),
                            last = static_cast<std::size_t>(window.last);
@@ -289,7 +289,7 @@ std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const Fram
             [&](const ColumnRange& range, Room out) {
                 for (auto c = range.begin(); c < range.end(); ++c) {
                     const double moved =
-                        task.amount * static_cast<double>(share_of(task, warp, t, c));
+                        task.amount * static_cast<double>(factor_of(task, warp, t, c));
                     for (const auto& part : parts) {
                         auto room = room_in(
                             warp, weights.entries(t).subspan(c * row_of(warp), row_of(warp)),

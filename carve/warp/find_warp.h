@@ -22,9 +22,9 @@ struct WarpTask {
     /// A second pair window, below `window`: each then takes half of the amount, so that the
     /// middle stays.
     std::optional<Window> pair_below;
-    /// By how much the window changes, as a share of `amount`: `[t][k]`, by points of the warp; the
-    /// greatest is 1 or -1.
-    std::vector<float> shares;
+    /// The window changes by `amount` times these: `[t][k]`, by points of the warp; the greatest is
+    /// 1 or -1.
+    std::vector<float> factors;
     double amount = 0;  ///< vertices; negative squeezes the window
     WarpStiffness stiffness;
 };

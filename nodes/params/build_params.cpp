@@ -20,10 +20,10 @@ std::optional<std::string> extent_fault(const char* name, const RigExtent& exten
             "'{}' is {}, which is empty; for a single vertex, as for images, "
             "state less than one spacing{}",
             name, to_text(extent),
-            spacing && !extent.shares
+            spacing && !extent.percent
                 ? ": " + to_text(RigExtent{extent.low, extent.low + *spacing / 2, false})
                 : std::string());
-    if (!spacing || extent.shares) return std::nullopt;
+    if (!spacing || extent.percent) return std::nullopt;
     const double count = vertices_along(extent.of(0), *spacing);
     if (count <= most_vertices) return std::nullopt;
     return fmt::format("'{}' holds {:.0f} vertices at a spacing of {:g}; {} is the most", name,
@@ -42,7 +42,7 @@ void check_params(const BuildParams& params, NodeCheck& check) {
                     "connect it, or state the spacing");
     for (const auto& [name, extent] :
          {std::pair{"extent_u", params.extent_u}, std::pair{"extent_v", params.extent_v}}) {
-        if (extent.shares && !content)
+        if (extent.percent && !content)
             check.fault(name, fmt::format("'{}' counts the width of 'content', and that is not "
                                           "connected; connect it, or state world units",
                                           name));

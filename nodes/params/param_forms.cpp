@@ -86,10 +86,10 @@ std::optional<WarpAmount> parse_curve(const Value& value, ValueReader& reader) {
     if (!points) return std::nullopt;
     out.points = std::move(*points);
     if (!over) return out;
-    auto shares = parse_points<WarpAmount::Share>(
-        *over, !along_w, reader, [&](const Value& share) { return reader.number(share, false); });
-    if (!shares) return std::nullopt;
-    out.shares = std::move(*shares);
+    auto factors = parse_points<WarpAmount::Factor>(
+        *over, !along_w, reader, [&](const Value& factor) { return reader.number(factor, false); });
+    if (!factors) return std::nullopt;
+    out.factors = std::move(*factors);
     return out;
 }
 
@@ -108,7 +108,7 @@ void unwanted_pair(const Value& value, ValueReader& reader, const std::string& f
 
 struct Pair {
     std::array<double, 2> ends{};
-    bool shares = false;
+    bool percent = false;
 };
 
 /// Two numbers, or two percentages. @param form  the wanted form, for messages
@@ -116,13 +116,13 @@ std::optional<Pair> parse_pair(const Value& value, ValueReader& reader, const st
     if (value.kind != Value::Kind::list || value.items.size() != 2)
         return reader.unwanted(value, form), std::nullopt;
     Pair out;
-    out.shares = value.items[0].text.ends_with('%');
+    out.percent = value.items[0].text.ends_with('%');
     for (std::size_t n = 0; n < 2; ++n) {
         const std::string_view text = value.items[n].text;
         const bool matches =
-            value.items[n].kind == Value::Kind::scalar && text.ends_with('%') == out.shares;
+            value.items[n].kind == Value::Kind::scalar && text.ends_with('%') == out.percent;
         const auto number =
-            matches ? parse_number(text.substr(0, text.size() - out.shares)) : std::nullopt;
+            matches ? parse_number(text.substr(0, text.size() - out.percent)) : std::nullopt;
         if (!number) return unwanted_pair(value, reader, form), std::nullopt;
         out.ends[n] = *number;
     }
@@ -153,12 +153,12 @@ std::optional<RigExtent> ParamTraits<RigExtent>::parse(const Value& value, Value
     const std::string form = "[low, high], world units or shares such as [-150%, 150%]";
     const auto pair = parse_pair(value, reader, form);
     if (!pair) return std::nullopt;
-    const auto& [ends, shares] = *pair;
+    const auto& [ends, percent] = *pair;
     if (ends[0] > ends[1])
         return reader.fault(value, fmt::format("has its low end {} above its high end {}",
                                                value.items[0].text, value.items[1].text)),
                std::nullopt;
-    return RigExtent{ends[0], ends[1], shares};
+    return RigExtent{ends[0], ends[1], percent};
 }
 
 std::string ParamTraits<RigExtent>::text(const RigExtent& extent) { return to_text(extent); }
@@ -170,13 +170,13 @@ std::optional<VertexRange> ParamTraits<VertexRange>::parse(const Value& value,
     const std::string form = "[first, last], whole vertices or shares of them such as [0%, 50%]";
     const auto pair = parse_pair(value, reader, form);
     if (!pair) return std::nullopt;
-    const auto& [ends, shares] = *pair;
+    const auto& [ends, percent] = *pair;
     for (std::size_t n = 0; n < 2; ++n) {
-        if (!shares && ends[n] != std::trunc(ends[n]))
+        if (!percent && ends[n] != std::trunc(ends[n]))
             return unwanted_pair(value, reader, form), std::nullopt;
-        if (ends[n] < 0 || ends[n] > (shares ? 100 : 1e6))
+        if (ends[n] < 0 || ends[n] > (percent ? 100 : 1e6))
             return reader.fault(value, fmt::format("must be {}, not {}",
-                                                   shares ? "from 0% to 100%" : "from 0 to 1e6",
+                                                   percent ? "from 0% to 100%" : "from 0 to 1e6",
                                                    value.items[n].text)),
                    std::nullopt;
     }
@@ -184,7 +184,7 @@ std::optional<VertexRange> ParamTraits<VertexRange>::parse(const Value& value,
         return reader.fault(value, fmt::format("has its first vertex {} above its last one {}",
                                                value.items[0].text, value.items[1].text)),
                std::nullopt;
-    return VertexRange{ends[0], ends[1], shares};
+    return VertexRange{ends[0], ends[1], percent};
 }
 
 std::string ParamTraits<VertexRange>::text(const VertexRange& range) { return to_text(range); }

@@ -75,7 +75,7 @@ WarpTask warp_task(const WarpParams& params, const WarpAmount& amount, const Sea
         *std::ranges::max_element(amounts, {}, [](double each) { return std::abs(each); });
     out.amount = amount.varies() ? greatest : in_steps(greatest);
     for (const double each : amounts)
-        out.shares.push_back(amount.varies() ? static_cast<float>(each / greatest) : 1.0f);
+        out.factors.push_back(amount.varies() ? static_cast<float>(each / greatest) : 1.0f);
     return out;
 }
 

@@ -31,7 +31,7 @@ void bench_size(const std::array<int, 3>& shape, std::size_t frames, int factor)
             find_weights(energy, typical, {}, found, weights);
             WarpTask task;
             task.window = {0, shape[0] - 1};
-            task.shares.assign(static_cast<std::size_t>(found.points()[2]) * frames, 1.0f);
+            task.factors.assign(static_cast<std::size_t>(found.points()[2]) * frames, 1.0f);
             task.amount = -0.1 * shape[0];
             cycles = find_warp(task, found, weights, [](double) {});
         });

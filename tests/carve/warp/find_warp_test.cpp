@@ -28,7 +28,7 @@ struct Found {
           warp({size[0], size[1], size[2]}, rings, 1, static_cast<std::size_t>(size[3])),
           weights(warp.frames(), warp.values(0).size()) {
         task.window = {0, size[0] - 1};
-        task.shares.assign(static_cast<std::size_t>(size[2] * size[3]), 1.0f);
+        task.factors.assign(static_cast<std::size_t>(size[2] * size[3]), 1.0f);
         for (int t = 0; t < size[3]; ++t)
             for (std::size_t n = 0; n < warp.values(0).size(); ++n) {
                 const int u = static_cast<int>(n) % size[0],
@@ -248,7 +248,7 @@ TEST_CASE("columns whose share is 0 do not move at all, others by their share") 
     Found found({20, 4, 6, 2}, noise(9));
     for (std::size_t t = 0; t < 2; ++t)
         for (std::size_t k = 0; k < 6; ++k)
-            found.task.shares[t * 6 + k] = k < 3 ? 0.0f : static_cast<float>(k - 2) / 3;
+            found.task.factors[t * 6 + k] = k < 3 ? 0.0f : static_cast<float>(k - 2) / 3;
     found.find(-3);
     found.each([&](int u, int lateral, int k, int t) {
         if (k < 3) REQUIRE(found.at(u, lateral, k, t) == 0);
