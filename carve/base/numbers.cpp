@@ -1,6 +1,6 @@
 #include "carve/base/numbers.h"
 
-#include "carve/base/whole.h"
+#include "carve/base/saturated.h"
 
 #include <algorithm>
 #include <array>
@@ -35,7 +35,7 @@ double number_in(const char* bytes, NumberType type, bool swap) {
 void put_number(std::string& out, double number, NumberType type, bool swap) {
     with_number_type(type, [&](auto value) {
         using T = decltype(value);
-        if constexpr (std::is_integral_v<T>) value = whole<T>(number);
+        if constexpr (std::is_integral_v<T>) value = saturated<T>(number);
         else value = static_cast<T>(number);
         auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
         if (swap) std::ranges::reverse(bytes);

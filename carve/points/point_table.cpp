@@ -1,7 +1,7 @@
 #include "carve/points/point_table.h"
 
 #include "carve/base/find_or_null.h"
-#include "carve/base/whole.h"
+#include "carve/base/saturated.h"
 
 #include <cmath>
 #include <cstring>
@@ -20,7 +20,7 @@ void PointTable::set(Column& column, std::size_t row, double number) {
     with_number_type(column.type, [&](auto value) {
         using T = decltype(value);
         if constexpr (std::is_floating_point_v<T>) value = static_cast<T>(number);
-        else value = whole<T>(std::round(number));
+        else value = saturated<T>(std::round(number));
         std::memcpy(column.values.data() + row * sizeof value, &value, sizeof value);
     });
 }

@@ -1,6 +1,6 @@
 #include "carve/time/points_between.h"
 
-#include "carve/base/even_share.h"
+#include "carve/base/unit_hash.h"
 #include "carve/field/extent.h"
 #include "carve/points/point_grid.h"
 #include "carve/points/point_vectors.h"
@@ -167,7 +167,7 @@ public:
                         (1 - share) * a_.velocity[x] + share * b_.velocity[y];
             },
             [&](std::size_t n, bool of_a, std::uint64_t id) {
-                if (of_a == (share_of(n, of_a) < even_share(id))) show(n, of_a, moved(n, of_a));
+                if (of_a == (share_of(n, of_a) < unit_hash(id))) show(n, of_a, moved(n, of_a));
             });
         std::ranges::sort(images_, std::less<>(), &PointImage::source);
     }
@@ -252,9 +252,7 @@ double point_scale(const Points& a, const Points& b, const std::string& velocity
 Points points_mixed(const Points& a, const Points& b, const ShareAt& share, const Points& nearer) {
     if (!alike(a, b)) return nearer;
     std::vector<PointImage> images;
-    const auto shown = [&](std::uint64_t id, const Vec3d& at) {
-        return share(at) > even_share(id);
-    };
+    const auto shown = [&](std::uint64_t id, const Vec3d& at) { return share(at) > unit_hash(id); };
     const auto at = a.positions(), next = b.positions();
     const auto ids = a.identities(), next_ids = b.identities();
     std::unordered_map<std::uint64_t, bool> second;  // whether a point of `a` changed to `b`, by

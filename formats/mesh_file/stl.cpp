@@ -1,4 +1,4 @@
-#include "carve/base/whole.h"
+#include "carve/base/saturated.h"
 #include "carve/mesh/triangles.h"
 #include "formats/mesh_file/mesh_formats.h"
 
@@ -304,7 +304,7 @@ std::string stl_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
     for (std::size_t n = 0; n < mesh.faces(); ++n) {
         out.begin_solids(n);
         triangulate(points, mesh.face(n), parts);
-        const auto attribute = whole<std::uint16_t>(extra ? extra->entry(n)[0] : 0);
+        const auto attribute = saturated<std::uint16_t>(extra ? extra->entry(n)[0] : 0);
         for (const auto& part : parts) {
             const std::array corners{points[part[0]], points[part[1]], points[part[2]]};
             out.put_triangle(

@@ -1,6 +1,6 @@
 #include "carve/remap/geometry/points.h"
 
-#include "carve/base/even_share.h"
+#include "carve/base/unit_hash.h"
 #include "carve/remap/finish/derivative.h"
 #include "carve/seam/carve_inverse.h"
 #include "carve/seam/joins.h"
@@ -36,7 +36,7 @@ bool reaches(const openvdb::BBoxd& box, const Vec3d& at) {
 }
 
 /// A number from 0 up to 1, evenly distributed over identities.
-double share(std::uint64_t identity) { return even_share(identity ^ 0x5eedu); }
+double share(std::uint64_t identity) { return unit_hash(identity ^ 0x5eedu); }
 
 /// A point that passes through the steps.
 struct MovedPoint {

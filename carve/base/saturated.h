@@ -11,7 +11,7 @@ namespace fluidcarve {
 /// becomes 0.
 /// @tparam T  of 32 bits at most, so that a double holds its range
 template <std::integral T>
-T whole(double number) {
+T saturated(double number) {
     static_assert(sizeof(T) <= 4);
     using Limits = std::numeric_limits<T>;
     return std::isnan(number)

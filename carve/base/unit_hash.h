@@ -13,7 +13,7 @@ constexpr std::uint64_t mixed(std::uint64_t x) {
 }
 
 /// A number in [0, 1), evenly distributed over identities.
-constexpr double even_share(std::uint64_t identity) {
+constexpr double unit_hash(std::uint64_t identity) {
     return static_cast<double>(mixed(identity) >> 11) * 0x1p-53;
 }
 
