@@ -31,7 +31,7 @@ constexpr Effort normal_effort{std::size_t{1} << 18, 0, 16, 2},
 
 /// With a field, each cut and sweep takes several times as long, and seams of less energy look no
 /// better; nor do slabs.
-constexpr Effort effort_for_looks{std::size_t{1} << 12, 0.02, 4, 2};
+constexpr Effort reduced_effort{std::size_t{1} << 12, 0.02, 4, 2};
 
 constexpr int passes_of_draft = 2;
 /// More passes at coarse levels lead away from the seam of the finest level.
@@ -40,9 +40,9 @@ constexpr int most_passes = 32;
 /// Entries of a strip on either side of the seam that it was made around.
 constexpr int radius = ColumnMessages::most_entries / 2;
 
-const Effort& effort_for(bool looks, Quality quality) {
+const Effort& effort_for(bool reduced, Quality quality) {
     if (quality == Quality::best) return best_effort;
-    return looks ? effort_for_looks : normal_effort;
+    return reduced ? reduced_effort : normal_effort;
 }
 
 bool small(const EnergyVolume& energy, Window window, const Effort& effort) {
@@ -53,13 +53,13 @@ bool small(const EnergyVolume& energy, Window window, const Effort& effort) {
 
 }  // namespace
 
-int Pyramid::passes(bool looks, int level) const {
+int Pyramid::passes(bool reduced, int level) const {
     const int finest =
-        quality_ == Quality::draft ? passes_of_draft : effort_for(looks, quality_).passes;
+        quality_ == Quality::draft ? passes_of_draft : effort_for(reduced, quality_).passes;
     return std::min(finest << std::min(level, 8), most_passes);
 }
 
-void Pyramid::refine(StripMessages& messages, int level, bool looks, bool attracts, int number,
+void Pyramid::refine(StripMessages& messages, int level, bool reduced, bool attracts, int number,
                      std::vector<std::uint16_t>& seam, const std::function<void()>& check) const {
     const auto& strip = messages.strip();
     const auto cut = [&](double tolerance) {
@@ -68,10 +68,10 @@ void Pyramid::refine(StripMessages& messages, int level, bool looks, bool attrac
     // Messages weigh attracted vertices against all other costs; a cut in a narrow band takes
     // them.
     const bool cuts = quality_ == Quality::best || attracts;
-    if (!attracts) messages.improve(seam, passes(looks, level), level > 0, check);
+    if (!attracts) messages.improve(seam, passes(reduced, level), level > 0, check);
     if (cuts) cut(1e-3);
     const LineSweeps sweep(strip);
-    for (int turn = 0; turn < effort_for(looks, quality_).sweeps; ++turn) {
+    for (int turn = 0; turn < effort_for(reduced, quality_).sweeps; ++turn) {
         check();
         sweep(seam, turn);
     }
@@ -79,10 +79,10 @@ void Pyramid::refine(StripMessages& messages, int level, bool looks, bool attrac
 }
 
 Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window, int number,
-                                       int level, bool looks, bool attracts,
+                                       int level, bool reduced, bool attracts,
                                        const std::function<void()>& check) const {
     const Columns columns(energy);
-    const auto& effort = effort_for(looks, quality_);
+    const auto& effort = effort_for(reduced, quality_);
     if (small(energy, window, effort))
         return {
             cut_seam(energy, Band::whole(columns.count(), window), effort.tolerance, number, check)
@@ -92,8 +92,8 @@ Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window
     {
         const auto coarse = restrict_energy(energy, window, energy.barrier());
         check();
-        const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, level + 1, looks,
-                                          attracts, check);
+        const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, level + 1,
+                                          reduced, attracts, check);
         out.seam = past_protected(energy, window,
                                   prolong_seam(Columns(coarse), found.seam, columns, window));
         Strip strip(energy, Band::around(out.seam, radius, window), memory_);
@@ -101,7 +101,7 @@ Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window
             out.messages.emplace(std::move(strip), window, *found.messages, memory_);
         else out.messages.emplace(std::move(strip), memory_);
     }
-    refine(*out.messages, level, looks, attracts, number, out.seam, check);
+    refine(*out.messages, level, reduced, attracts, number, out.seam, check);
     return out;
 }
 
@@ -109,14 +109,15 @@ Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int n
                                 const Tick& tick, SeamBounds* bounds) const {
     const auto check = [&] { tick(0); };
     if (in_open_line(energy)) return lines_(energy, window, number, tick);
-    const bool looks = energy.has_field() || energy.slabs();
-    if (small(energy, window, effort_for(looks, quality_)))
+    const bool reduced = energy.has_field() || energy.slabs();
+    if (small(energy, window, effort_for(reduced, quality_)))
         return exact_seam(energy, window, number, check);
     std::vector<std::uint16_t> best;
     bool bounded = false;
     tbb::parallel_invoke(
         [&] {
-            best = coarse_to_fine(energy, window, number, 0, looks, energy.attracts(), check).seam;
+            best =
+                coarse_to_fine(energy, window, number, 0, reduced, energy.attracts(), check).seam;
         },
         [&] {
             bounded = bounds && bounds->find(energy, window, number, [&](double) { check(); });
@@ -131,7 +132,7 @@ Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int n
         cost < least) {
         best.assign(greedy->at.begin(), greedy->at.end());
         StripMessages messages(Strip(energy, Band::around(best, radius, window), memory_), memory_);
-        refine(messages, 0, looks, energy.attracts(), number, best, check);
+        refine(messages, 0, reduced, energy.attracts(), number, best, check);
         least = cost_of(energy, best);
         if (cost < least) {
             best.assign(greedy->at.begin(), greedy->at.end());

@@ -39,15 +39,15 @@ private:
     };
 
     /// Number of message passes.
-    /// @param looks  true with a field and for slabs, whose seams of less energy look no better:
-    ///   fewer passes
-    /// @param level  0: the finest
-    int passes(bool looks, int level) const;
+    /// @param reduced  with a field and for slabs, whose seams of less energy look no better: less
+    ///   effort
+    /// @param level    0: the finest
+    int passes(bool reduced, int level) const;
     Level coarse_to_fine(const EnergyVolume& energy, Window window, int number, int level,
-                         bool looks, bool attracts, const std::function<void()>& check) const;
+                         bool reduced, bool attracts, const std::function<void()>& check) const;
     /// Improves a seam within the strip of its messages.
     /// @param attracts  whether seams are to take marked vertices
-    void refine(StripMessages& messages, int level, bool looks, bool attracts, int number,
+    void refine(StripMessages& messages, int level, bool reduced, bool attracts, int number,
                 std::vector<std::uint16_t>& seam, const std::function<void()>& check) const;
 
     Quality quality_;

@@ -30,16 +30,16 @@ std::pair<int, int> vertices_near(int point, int vertices, int points, int facto
 /// Weights of points, from those of the vertices nearest to them.
 class PointWeights {
 public:
-    PointWeights(const EnergyVolume& energy, const Typical& typical, const WarpPrices& prices,
+    PointWeights(const EnergyVolume& energy, const Typical& typical, const WarpWeights& stated,
                  const Warp& warp)
         : energy_(energy),
           points_(warp.points()),
           factor_(warp.factor()),
           content_(typical.content),
           per_energy_(static_cast<float>(1 / typical.energy)),
-          per_edge_(static_cast<float>(prices.field / typical.edge)),
-          evenness_(prices.evenness),
-          empty_(prices.empty * (1 + (energy.has_field() ? prices.field : 0) + prices.evenness)),
+          per_edge_(static_cast<float>(stated.field / typical.edge)),
+          evenness_(stated.evenness),
+          empty_(stated.empty * (1 + (energy.has_field() ? stated.field : 0) + stated.evenness)),
           point_of_(static_cast<std::size_t>(energy.width())),
           count_(static_cast<std::size_t>(points_[0])) {
         for (std::size_t p = 0; p < count_.size(); ++p) {
@@ -109,9 +109,9 @@ private:
 
 }  // namespace
 
-void find_weights(const EnergyVolume& energy, const Typical& typical, const WarpPrices& prices,
+void find_weights(const EnergyVolume& energy, const Typical& typical, const WarpWeights& stated,
                   const Warp& warp, FrameStore& weights) {
-    const PointWeights of_points(energy, typical, prices, warp);
+    const PointWeights of_points(energy, typical, stated, warp);
     const auto points = warp.points();
     const auto row = static_cast<std::size_t>(points[0]),
                columns = static_cast<std::size_t>(points[1]) * static_cast<std::size_t>(points[2]);

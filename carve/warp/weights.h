@@ -8,7 +8,7 @@
 namespace fluidcarve {
 
 /// How stiff a vertex is against squeezing and shearing (METHOD 11 "Weights").
-struct WarpPrices {
+struct WarpWeights {
     float field = 0.1f;  ///< stiffness that an edge of typical size adds, as a share of that of the
                          ///< typical energy
     float evenness = 0.3f;  ///< stiffness of all content, the same way
@@ -28,9 +28,10 @@ inline constexpr float soft_weight = 1.0f / 256;
 /// it, in a static warp over all frames.
 /// @param energy   codes as they were sampled, without edges and prices; with a field or not
 /// @param typical  of the energy
+/// @param stated   how much each part of a vertex's stiffness counts
 /// @param warp     says where points stand
 /// @param weights  becomes energy codes, laid out as the warp's values
-void find_weights(const EnergyVolume& energy, const Typical& typical, const WarpPrices& prices,
+void find_weights(const EnergyVolume& energy, const Typical& typical, const WarpWeights& stated,
                   const Warp& warp, FrameStore& weights);
 
 }  // namespace fluidcarve

@@ -388,7 +388,7 @@ double ConsecutiveBounds::with(const SeamStart& start) const {
     if (kept_->messages.has(time))
         for (std::size_t c = 0; c < kept_->per_frame; ++c) {
             const auto entry =
-                static_cast<std::size_t>(start.entries[c * start.step] - kept_->first_entry);
+                static_cast<std::size_t>(start.entries[c * start.stride] - kept_->first_entry);
             paid += static_cast<double>(
                 kept_->messages.entry(time, start.frame * kept_->per_frame + c, entry));
         }

@@ -18,7 +18,7 @@ struct SeamStart {
     double before, with_frame;     ///< costs of the frames before `frame`, and of these and
                                    ///< `frame`
     const std::uint16_t* entries;  ///< in the frame's columns
-    std::size_t step;              ///< stride from a column's entry to the next column's
+    std::size_t stride;            ///< from a column's entry to the next column's
 };
 
 /// Lower bounds for consecutive seams (METHOD 8 "A certificate"). A search may use its seam's
