@@ -1,6 +1,7 @@
 #include "graph/document.h"
 
 #include "carve/base/words.h"
+#include "formats/file/full_path.h"
 #include "formats/file/input_file.h"
 #include "graph/document_names.h"
 #include "graph/text/yaml_reader.h"
@@ -73,7 +74,9 @@ public:
     Value load(const std::string& path, const Mark& from) {
         Value nothing;
         nothing.kind = Value::Kind::map;
-        const auto file = fs::weakly_canonical(path).string();
+        // A path that leads nowhere stays as it is: `open` tells why.
+        const auto real = canonical_path(path);
+        const auto file = real.empty() ? path : real.string();
         if (std::ranges::find(loading_, file) != loading_.end())
             return add(problems_, from,
                        fmt::format("{} extends itself, directly or through others", path)),

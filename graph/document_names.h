@@ -4,6 +4,7 @@
 #include "graph/text/problem.h"
 #include "graph/text/text_room.h"
 #include "graph/text/value.h"
+#include "graph/types/param.h"
 
 #include <map>
 #include <string>

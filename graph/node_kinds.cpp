@@ -1,5 +1,7 @@
 #include "graph/node_kinds.h"
 
+#include "carve/base/find_or_null.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <optional>
@@ -36,9 +38,9 @@ private:
         const auto* const type = source ? of(source->value) : nullptr;
         if (!type || type->outputs.empty()) return std::nullopt;
         if (dot == std::string::npos) return type->outputs.front().type;
-        const auto found =
-            std::ranges::find(type->outputs, reference.text.substr(dot + 1), &OutputSpec::name);
-        return found == type->outputs.end() ? std::nullopt : std::optional(found->type);
+        const auto* const found =
+            find_or_null(type->outputs, reference.text.substr(dot + 1), &OutputSpec::name);
+        return found ? std::optional(found->type) : std::nullopt;
     }
 
     const Document& document_;

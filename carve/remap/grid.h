@@ -7,7 +7,7 @@
 namespace fluidcarve {
 
 /// Carves a grid (METHOD 4): by voxel indices if its voxels are the lattice's vertices
-/// (voxels/aligned.h) and the map does not fade, else by sampling (voxels/sampled.h). Name, class,
+/// (voxels/aligned.h) and its rims do not fade, else by sampling (voxels/sampled.h). Name, class,
 /// transform, half flag and all other metadata stay.
 /// @return the grid itself if nothing changes
 /// @throws Failure if values of its type can't be carved

@@ -96,14 +96,12 @@ struct ColumnGrid {
 
     /// Writes the mean of rows of floats to a row that is none of them.
     using Mean = std::function<void(const float* const* rows, float* to)>;
-    /// Replaces each column's row of floats by a mean over neighbouring columns. Rings go round;
-    /// beyond an outer column its own row counts.
-    /// @param rows         `[column][float]`
-    /// @param row          number of floats in each
-    /// @param over_slices  true: over neighbouring slices; false: laterally
-    /// @param columns      number of columns in a mean, the column itself in the middle; odd
-    void average(float* rows, std::size_t row, bool over_slices, std::size_t columns,
-                 const Mean& mean) const;
+    /// Replaces each column's row of floats by a mean over its lateral neighbours, then by one over
+    /// neighbouring slices. Rings go round; beyond an outer column its own row counts.
+    /// @param rows     `[column][float]`
+    /// @param row      number of floats in each
+    /// @param columns  number of columns in a mean, the column itself in the middle; odd
+    void average(float* rows, std::size_t row, std::size_t columns, const Mean& mean) const;
 };
 
 }  // namespace fluidcarve

@@ -1,6 +1,6 @@
 #include "carve/seam/joins.h"
 
-#include <tbb/parallel_for.h>
+#include "carve/base/each_in_parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -67,27 +67,21 @@ Joins::Joins(std::span<const CarveStep* const> steps, std::span<const CarveStep:
     const int reach = static_cast<int>(steps.size() / 2);
     float all = 0;
     for (int n = -reach; n <= reach; ++n) all += static_cast<float>(reach + 1 - std::abs(n));
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, columns_.count(), 64),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-            for (auto column = range.begin(); column < range.end(); ++column) {
-                auto* const to = places_.data() + column * seams_;
-                for (int n = -reach; n <= reach; ++n) {
-                    const auto bounds =
-                        steps[static_cast<std::size_t>(n + reach)]->first_displaced(column);
-                    const float weight = static_cast<float>(reach + 1 - std::abs(n)) / all;
-                    for (std::size_t seam = 0; seam < seams_; ++seam)
-                        to[seam] += weight * (static_cast<float>(bounds[seam]) - 0.5f);
-                }
-            }
-        });
+    each_in_parallel(columns_.count(), 64, [&](std::size_t column) {
+        auto* const to = places_.data() + column * seams_;
+        for (int n = -reach; n <= reach; ++n) {
+            const auto bounds = steps[static_cast<std::size_t>(n + reach)]->first_displaced(column);
+            const float weight = static_cast<float>(reach + 1 - std::abs(n)) / all;
+            for (std::size_t seam = 0; seam < seams_; ++seam)
+                to[seam] += weight * (static_cast<float>(bounds[seam]) - 0.5f);
+        }
+    });
     const auto mean = [this](const float* const* rows, float* to) {
         std::fill_n(to, seams_, 0.0f);
         for (std::size_t n = 0; n < tent.size(); ++n)
             for (std::size_t seam = 0; seam < seams_; ++seam) to[seam] += tent[n] * rows[n][seam];
     };
-    columns_.average(places_.data(), seams_, false, tent.size(), mean);
-    columns_.average(places_.data(), seams_, true, tent.size(), mean);
+    columns_.average(places_.data(), seams_, tent.size(), mean);
 }
 
 double Joins::displacement(std::size_t passed) const {

@@ -245,8 +245,7 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
         const auto mean = [&](const float* const* rows, float* to) {
             weighted_mean(across, rows, out.row_, to);
         };
-        out.columns_.average(out.entries(), out.row_, false, across.size(), mean);
-        out.columns_.average(out.entries(), out.row_, true, across.size(), mean);
+        out.columns_.average(out.entries(), out.row_, across.size(), mean);
     }
     return out;
 }

@@ -1,6 +1,7 @@
 #include "nodes/expression/evaluate.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/find_or_null.h"
 #include "carve/base/words.h"
 #include "carve/field/collocate.h"
 #include "carve/field/lowest_wrong.h"
@@ -62,9 +63,9 @@ std::vector<NamedGrid> readable_inputs(const CompiledExpression& program, const 
     std::vector<NamedGrid> out;
     for (const auto& [name, any] : inputs) {
         const auto grid = readable(name, any->grid, budget);
-        const auto read = std::ranges::find_if(
-            program.reads, [&, &name = name](const auto& each) { return each.input == name; });
-        if (read != program.reads.end() && read->vector != grid->isType<VectorGrid>())
+        const auto* const read =
+            find_or_null(program.reads, name, &CompiledExpression::Read::input);
+        if (read && read->vector != grid->isType<VectorGrid>())
             throw Failure(fmt::format(
                 "input '{0}' holds {1}, but {2} reads it as {3}@{0}; write {4}@{0}", name,
                 read->vector ? "numbers" : "vectors", place(read->line, read->column),

@@ -177,7 +177,7 @@ class CarveStep {
     aside(j) { return this.entries * (j + 1 < this.laterals ? 1 : 1 - this.laterals); }
     behind(k) { return this.entries * this.laterals * (k + 1 < this.slices ? 1 : 1 - this.slices); }
 
-    /** Factor of displacements, 0 to 1: CarveStep::scale. @param lateral, slice  from the first column on */
+    /** Factor of displacements, 0 to 1: CarveStep::rim_scale. @param lateral, slice  from the first column on */
     scale(lateral, slice) {
         if (this.fade === 0) return 1;
         const fromRim = (x, size) => size === 1 ? this.fade : Math.min(x, size - 1 - x);

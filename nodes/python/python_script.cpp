@@ -74,7 +74,8 @@ void check_script(const PythonParams& params, const std::string& function,
     if (params.script.per_frame())
         return check.fault("script", "parameter 'script' must be one file for all frames");
     const auto path = path_of_script(params);
-    if (!std::filesystem::is_regular_file(path))
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(path, ignored))
         return check.fault("script", fmt::format("parameter 'script': there is no file {}", path));
     auto given = Json::array();
     for (const auto& [name, value] : params.params) given.push_back(name);

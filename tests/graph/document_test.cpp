@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
 
 using namespace fluidcarve;
 
@@ -129,6 +130,10 @@ TEST_CASE("extended files that are missing, or extend each other in a circle, ar
     CHECK(read(scratch, "fluidcarve: 1\nextends: q.yaml\n").text ==
           "q.yaml:2:10: p.yaml extends itself, directly or through others\nextends: p.yaml\n       "
           "  ^\n");
+    std::filesystem::create_symlink("loop.yaml", scratch.path() + "/loop.yaml");
+    for (const auto& name : {std::string("loop.yaml"), std::string(300, 'x')})
+        CHECK_THAT(read(scratch, "fluidcarve: 1\nextends: " + name + "\n").text,
+                   Catch::StartsWith("p.yaml:2:10: cannot read " + name));
 }
 
 TEST_CASE("an extended file that is no pipeline is named, and nothing of it is shown") {

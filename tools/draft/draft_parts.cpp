@@ -1,4 +1,5 @@
 #include "carve/base/failure.h"
+#include "carve/base/find_or_null.h"
 #include "graph/text/yaml_text.h"
 #include "tools/draft/draft_text.h"
 
@@ -251,10 +252,10 @@ void DraftText::carve(const std::string& name, const char* type, const std::stri
 
 DraftText::Fields DraftText::with(Fields fields, const Fields& wanted) {
     for (const auto& [name, value] : wanted) {
-        const auto found =
-            std::ranges::find(fields, name, &std::pair<std::string, std::string>::first);
-        if (found == fields.end()) fields.emplace_back(name, value);
-        else found->second = value;
+        if (auto* const found =
+                find_or_null(fields, name, &std::pair<std::string, std::string>::first))
+            found->second = value;
+        else fields.emplace_back(name, value);
     }
     return fields;
 }

@@ -234,11 +234,9 @@ void set_page_path(Document& document, const std::string& node, const std::strin
 
 std::string page_path(const Pipeline& pipeline, const std::string& node) {
     const auto& page = *pipeline.find(node);
-    const auto& params = page.type->params;
-    const auto spec = std::ranges::find(params, "path", &ParamSpec::name);
-    return spec == params.end()
-               ? std::string()
-               : spec->path(page.params.get()).at(pipeline.frames.frames().front());
+    const auto* const spec = page.type->param("path");
+    return spec ? spec->path(page.params.get()).at(pipeline.frames.frames().front())
+                : std::string();
 }
 
 namespace {

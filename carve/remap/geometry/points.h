@@ -16,7 +16,7 @@ namespace fluidcarve {
 /// inserted seam adds a copy of all points from the doubled entry up to the next. The upper ends
 /// do not belong to these intervals. Seams are interpolated bilinearly between columns.
 /// Points outside CarveStep::holds() stay.
-/// Where the rim fades, a seam takes and adds less, by the factor CarveStep::scale.
+/// Where the rim fades, a seam takes and adds less, by the factor CarveStep::rim_scale.
 /// @param at      lattice index coordinates
 /// @param places  becomes the coordinates along the axis, the point itself first
 /// @param rooms   becomes, for each place, the interval along the axis in which a copy stays inside

@@ -45,7 +45,7 @@ public:
     bool frees() const { return frees_; }
     /// The displacement, if all points of the box are displaced by the same whole vertices.
     const std::optional<openvdb::Vec3d>& rigid() const { return rigid_; }
-    /// Whether a fade scales some displacements down (CarveMap::fade_rims).
+    /// Whether a rim's fade scales some displacements down (CarveMap::fade_rims).
     bool rims_fade() const { return fades_; }
 
     /// The cell that holds a point.

@@ -16,7 +16,7 @@ enum class Interpolation { linear, quadratic, cubic };
 /// interpolated, not positions. Voxels of cells that do not move are copied bit for bit. Each
 /// component of a staggered grid is carved at its own face. Integers, booleans and masks are read
 /// from the nearest voxel.
-/// Where the map fades, CarveStep::scale moves all source positions towards `l`. Beside a seam,
+/// Where rims fade, CarveStep::rim_scale moves all source positions towards `l`. Beside a seam,
 /// values are blended with the same weights as without a fade.
 /// @param mapping  of the lattice, with the extent map.reach()
 /// @param unfaded  the result without a fade, if it is known; only the rest is sampled then
