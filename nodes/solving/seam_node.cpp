@@ -109,8 +109,17 @@ void SeamNode::solve(const Params& stated, Ports& io, Context& context, const Fi
         // An unfinished larger set may hold more pairs than are wanted.
         if (before_.seams) before_ = before_.first(static_cast<std::size_t>(task.count));
         found = solve_task(energy,
-                           {task, space, empty, before_, gathered_.marks(), find, start_from,
-                            params.bound_passes, checkpoint_after_, params.best_effort, thick},
+                           {.task = task,
+                            .space = space,
+                            .empty = empty,
+                            .before = before_,
+                            .marks = gathered_.marks(),
+                            .find = find,
+                            .start_from = start_from,
+                            .bound_passes = params.bound_passes,
+                            .checkpoint_after = checkpoint_after_,
+                            .best_effort = params.best_effort,
+                            .thick = thick},
                            context);
     }
     if (task.count < task.asked && !falls_short(found.report))

@@ -14,7 +14,7 @@ namespace fluidcarve {
 struct RunTarget {
     std::string to;  ///< NODE: this node and everything upstream; NODE.INPUT: only the digests of a
                      ///< gathering node; several by commas; empty: all leaves
-    std::string from;  ///< only leaves downstream of this node; empty: all
+    std::string from = {};  ///< only leaves downstream of this node; empty: all
     /// Run `to` alone: cached nodes that it needs must already have their results.
     bool only = false;
     std::optional<FrameSet> frames = {};  ///< that per-frame nodes deliver; nothing: all

@@ -89,17 +89,18 @@ public:
             const auto consumed = working_frames(whole, n).consumed_inputs;
             if (digests_apart(node) && !consumed.empty()) {
                 const auto& input = digested_input(node);
-                add({node.name + "-" + input,
-                     fmt::format("takes from each frame what {} needs", node.name),
-                     {node.name + "." + input, {}, false}},
+                add({.name = node.name + "-" + input,
+                     .what = fmt::format("takes from each frame what {} needs", node.name),
+                     .target = {.to = node.name + "." + input}},
                     consumed);
             }
             if (gathers_apart(node) && whole.once[n] == Action::run)
-                add({node.name,
-                     fmt::format("{} from all frames",
-                                 node.type->growth ? "finds " + node.type->growth->item + "s"
-                                                   : "makes " + node.name),
-                     {node.name, {}, false}},
+                add({.name = node.name,
+                     .what =
+                         fmt::format("{} from all frames",
+                                     node.type->growth ? "finds " + node.type->growth->item + "s"
+                                                       : "makes " + node.name),
+                     .target = {.to = node.name}},
                     {});
         }
         const auto delivered = prepared_.delivered_frames();
@@ -113,15 +114,18 @@ public:
             const auto name = names.size() <= most
                                   ? fmt::format("{}", fmt::join(names, "-"))
                                   : fmt::format("{}-and-{}-more", names.front(), names.size() - 1);
-            add({name,
-                 fmt::format("delivers {}", fmt::join(names, ", ")),
-                 {fmt::format("{}", fmt::join(names, ",")), {}, false}},
+            add({.name = name,
+                 .what = fmt::format("delivers {}", fmt::join(names, ", ")),
+                 .target = {.to = fmt::format("{}", fmt::join(names, ","))}},
                 indices);
         }
         for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
             const auto& node = pipeline_.nodes[n];
             if (plan.targets[n] && node.rate != Rate::frame && !gathers_apart(node))
-                add({node.name, "delivers " + node.name, {node.name, {}, false}}, {});
+                add({.name = node.name,
+                     .what = "delivers " + node.name,
+                     .target = {.to = node.name}},
+                    {});
         }
         return std::move(out_);
     }
