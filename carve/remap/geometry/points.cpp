@@ -35,8 +35,8 @@ bool reaches(const openvdb::BBoxd& box, const Vec3d& at) {
     return true;
 }
 
-/// A number from 0 up to 1, evenly distributed over identities.
-double share(std::uint64_t identity) { return unit_hash(identity ^ 0x5eedu); }
+/// Not the unit_hash() by which blends in time choose points: carves choose independently of them.
+double chance(std::uint64_t identity) { return unit_hash(identity ^ 0x5eedu); }
 
 /// A point that passes through the steps.
 struct MovedPoint {
@@ -56,8 +56,8 @@ public:
         const auto& columns = step.columns();
         auto out = at;
         for (int n = 0; n < 3; ++n) {
-            seed = mixed(seed);
-            const double by = amount_ * (static_cast<double>(seed >> 11) * 0x1p-52 - 1);
+            const double by = amount_ * (2 * unit_hash(seed) - 1);
+            seed = mixed_bits(seed);
             const auto wrapped = [&](int size) {
                 return at[n] + by - size * std::floor((at[n] + by) / size);
             };
@@ -116,14 +116,14 @@ public:
         // Mean number of points in place of one, so that the density stays the same.
         const double wanted = 1 / std::max(pressed, 1e-3);
         const auto whole = static_cast<std::uint64_t>(wanted);
-        const auto count = whole + (share(identity) < wanted - static_cast<double>(whole) ? 1 : 0);
+        const auto count = whole + (chance(identity) < wanted - static_cast<double>(whole) ? 1 : 0);
         const auto& step = map_.steps().back();
         for (std::uint64_t copy = 0; copy < count; ++copy) {
             if (copy == 0) {
                 ways.push_back({to, 0});
                 continue;
             }
-            const auto seed = mixed(identity) ^ mixed(copy);
+            const auto seed = mixed_bits(identity) ^ mixed_bits(copy);
             auto beside = to;
             beside[step.axis()] += (seed & 1) != 0 ? 0.5 : -0.5;
             ways.push_back(
@@ -223,15 +223,16 @@ private:
         const auto& step = map_.steps()[s];
         next.clear();
         for (const auto& way : ways) {
-            if (joined_) join_point(step, way.at, share(identity ^ s), places, rooms);
+            if (joined_) join_point(step, way.at, chance(identity ^ s), places, rooms);
             else carve_point(step, way.at, places, rooms);
             for (std::size_t p = 0; p < places.size(); ++p) {
                 auto to = way.at;
                 to[step.axis()] = places[p];
                 if (p == 0) next.push_back({to, way.copy});
                 else {
-                    const auto copy = mixed(way.copy + 0x10000 * (s + 1) + p);
-                    next.push_back({jitter_(to, step, rooms[p], mixed(identity) ^ copy), copy});
+                    const auto copy = mixed_bits(way.copy + 0x10000 * (s + 1) + p);
+                    next.push_back(
+                        {jitter_(to, step, rooms[p], mixed_bits(identity) ^ copy), copy});
                 }
             }
         }
