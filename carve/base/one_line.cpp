@@ -26,4 +26,15 @@ std::string printable(const std::string& text) {
     return out;
 }
 
+std::string cut_short(const std::string& text) {
+    constexpr std::size_t most = 60;
+    if (text.size() <= most) return text;
+    const auto begins_inside = [&](std::size_t at) {
+        return (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80;
+    };
+    auto end = most;
+    while (end > 0 && begins_inside(end)) --end;
+    return text.substr(0, end) + "...";
+}
+
 }  // namespace fluidcarve

@@ -1,6 +1,7 @@
 #include "formats/seam_file/seam_file.h"
 
 #include "carve/base/failure.h"
+#include "carve/base/one_line.h"
 #include "carve/base/words.h"
 #include "formats/seam_file/seam_checksum.h"
 #include "formats/seam_file/seam_metadata.h"

@@ -1,6 +1,7 @@
 #include "formats/seam_file/seam_metadata.h"
 
 #include "carve/base/frame_set.h"
+#include "carve/base/one_line.h"
 
 #include <fmt/format.h>
 #include <openvdb/Metadata.h>
@@ -116,12 +117,6 @@ int read_thickness(const openvdb::MetaMap& metadata, int size) {
 }  // namespace
 
 Failure wrong_seams(const std::string& message) { return Failure(message, Failure::Kind::input); }
-
-std::string cut_short(const std::string& text) {
-    constexpr std::size_t most = 60;
-    return text.size() <= most ? text
-                               : fmt::format("{}...", std::string_view(text).substr(0, most));
-}
 
 std::string seam_text(const openvdb::MetaMap& metadata, const std::string& name,
                       const std::string& owner) {

@@ -34,7 +34,5 @@ std::string seam_text(const openvdb::MetaMap& metadata, const std::string& name,
 
 /// A failure that refuses a seam file.
 Failure wrong_seams(const std::string& message);
-/// The beginning of a text in a file, for messages.
-std::string cut_short(const std::string& text);
 
 }  // namespace fluidcarve

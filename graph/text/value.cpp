@@ -1,25 +1,13 @@
 #include "graph/text/value.h"
 
 #include "carve/base/find_or_null.h"
+#include "carve/base/one_line.h"
 
 #include <fmt/format.h>
 
 #include <utility>
 
 namespace fluidcarve {
-namespace {
-
-/// Shortens a text for a message: a scalar may be as long as a file.
-std::string shown(const std::string& text) {
-    constexpr std::size_t most = 60;
-    if (text.size() <= most) return text;
-    auto end = most;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80)
-        --end;  // not inside a UTF-8 character
-    return text.substr(0, end) + "...";
-}
-
-}  // namespace
 
 const Value::Field* Value::find(std::string_view name) const {
     return find_or_null(fields, name, &Field::name);
@@ -39,7 +27,7 @@ std::size_t Value::text_bytes() const {
 std::string Value::describe() const {
     switch (kind) {
         case Kind::null: return "nothing";
-        case Kind::scalar: return fmt::format("'{}'", shown(text));
+        case Kind::scalar: return fmt::format("'{}'", cut_short(text));
         case Kind::list:
             return items.size() == 1 ? "a list of one" : fmt::format("a list of {}", items.size());
         case Kind::unresolved: return "something unresolved";
