@@ -1,5 +1,7 @@
 #include "graph/file_claims.h"
 
+#include "formats/file/full_path.h"
+
 #include <filesystem>
 #include <map>
 #include <set>
@@ -69,7 +71,6 @@ private:
 
     /// The target of a link, without links.
     fs::path followed(fs::path file) {
-        constexpr int most_links = 40;  // as in Linux; more of them are a circle
         std::error_code error;
         for (int n = 0; n < most_links && fs::is_symlink(file, error); ++n)
             file = file.parent_path() / fs::read_symlink(file, error);

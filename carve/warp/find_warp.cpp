@@ -4,7 +4,6 @@
 #include "carve/solver/costs/code.h"
 #include "carve/warp/weights.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -18,9 +17,6 @@ namespace fluidcarve {
 
 namespace {
 
-using ColumnRange = tbb::blocked_range<std::size_t>;
-
-constexpr std::size_t columns_per_task = 64;
 constexpr double tolerance = 1e-5;  ///< of a displacement, as a share of the amount
 constexpr int most_cycles = 40;
 constexpr int most_raises = 16;
@@ -69,7 +65,8 @@ float factor_of(const WarpTask& task, const Warp& warp, std::size_t t, std::size
 template <class Work>
 void each_column(const Warp& warp, const Work& work) {
     for (std::size_t t = 0; t < warp.frames(); ++t)
-        each_in_parallel(columns_of(warp), columns_per_task, [&](std::size_t c) { work(t, c); });
+        each_in_parallel(columns_of(warp), warp_columns_per_task,
+                         [&](std::size_t c) { work(t, c); });
 }
 
 /// A warp that is being found.
@@ -153,8 +150,8 @@ private:
         double out = 0;
         for (std::size_t t = 0; t < warp_.frames(); ++t)
             out = tbb::parallel_reduce(
-                ColumnRange(0, columns_of(warp_), columns_per_task), out,
-                [&](const ColumnRange& range, double most) {
+                WarpColumnRange(0, columns_of(warp_), warp_columns_per_task), out,
+                [&](const WarpColumnRange& range, double most) {
                     for (auto c = range.begin(); c < range.end(); ++c) {
                         const auto values = column(t, c);
                         for (std::size_t p = 0; p + 1 < values.size(); ++p)
@@ -285,8 +282,8 @@ std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const Fram
     Room found;
     for (std::size_t t = 0; t < warp.frames(); ++t)
         found = tbb::parallel_reduce(
-            ColumnRange(0, columns_of(warp), columns_per_task), found,
-            [&](const ColumnRange& range, Room out) {
+            WarpColumnRange(0, columns_of(warp), warp_columns_per_task), found,
+            [&](const WarpColumnRange& range, Room out) {
                 for (auto c = range.begin(); c < range.end(); ++c) {
                     const double moved =
                         task.amount * static_cast<double>(factor_of(task, warp, t, c));

@@ -2,7 +2,6 @@
 
 #include "carve/solver/costs/decode.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
@@ -14,9 +13,6 @@ namespace fluidcarve {
 
 namespace {
 
-using ColumnRange = tbb::blocked_range<std::size_t>;
-
-constexpr std::size_t columns_at_once = 64;
 /// Columns solved together, so that the divisions of one do not wait for each other.
 constexpr std::size_t columns_together = 4;
 /// A level of at most so many columns is solved by sweeps alone.
@@ -84,8 +80,8 @@ public:
 
     /// Sets each weight to the mean of those that it stands for.
     void average_weights(const Level& finer) {
-        tbb::parallel_for(ColumnRange(0, columns(), columns_at_once),
-                          [&](const ColumnRange& range) {
+        tbb::parallel_for(WarpColumnRange(0, columns(), warp_columns_per_task),
+                          [&](const WarpColumnRange& range) {
                               std::vector<float> line(width_);
                               for (auto c = range.begin(); c < range.end(); ++c) {
                                   const auto out = std::span(weights_).subspan(c * width_, width_);
@@ -103,8 +99,8 @@ public:
         for (int turn = 0; turn < turns(); ++turn)
             change = std::max(
                 change, tbb::parallel_reduce(
-                            ColumnRange(0, columns(), columns_at_once), 0.0,
-                            [&](const ColumnRange& range, double most) {
+                            WarpColumnRange(0, columns(), warp_columns_per_task), 0.0,
+                            [&](const WarpColumnRange& range, double most) {
                                 std::vector<Lines> lines(columns_together, Lines(width_));
                                 std::vector<std::size_t> columns;
                                 for (auto c = range.begin(); c < range.end(); ++c) {
@@ -125,8 +121,8 @@ public:
     /// correction to 0.
     void restrict_from(const Level& finer) {
         std::ranges::fill(values_, 0.0f);
-        tbb::parallel_for(ColumnRange(0, columns(), columns_at_once),
-                          [&](const ColumnRange& range) {
+        tbb::parallel_for(WarpColumnRange(0, columns(), warp_columns_per_task),
+                          [&](const WarpColumnRange& range) {
                               Lines lines(width_);
                               for (auto c = range.begin(); c < range.end(); ++c) {
                                   const auto out = std::span(wanted_).subspan(c * width_, width_);
@@ -141,8 +137,8 @@ public:
 
     /// Adds a coarser level's correction, linear between its columns.
     void correct(const Level& coarser) {
-        tbb::parallel_for(ColumnRange(0, columns(), columns_at_once),
-                          [&](const ColumnRange& range) {
+        tbb::parallel_for(WarpColumnRange(0, columns(), warp_columns_per_task),
+                          [&](const WarpColumnRange& range) {
                               std::vector<float> line(width_);
                               for (auto c = range.begin(); c < range.end(); ++c) {
                                   if (fixed_[c]) continue;

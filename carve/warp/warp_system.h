@@ -4,11 +4,18 @@
 #include "carve/seam/warp.h"
 #include "carve/seam/window.h"
 
+#include <tbb/blocked_range.h>
+
 #include <cstddef>
 #include <memory>
 #include <vector>
 
 namespace fluidcarve {
+
+/// Some of the columns of a warp.
+using WarpColumnRange = tbb::blocked_range<std::size_t>;
+/// So many columns of a warp, or fewer, are not divided between threads.
+inline constexpr std::size_t warp_columns_per_task = 64;
 
 /// How stiffly a warp resists shear, as a share of how stiffly it resists squeezing.
 struct WarpStiffness {

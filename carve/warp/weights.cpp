@@ -1,8 +1,8 @@
 #include "carve/warp/weights.h"
 
 #include "carve/solver/costs/code.h"
+#include "carve/warp/warp_system.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -117,8 +117,8 @@ void find_weights(const EnergyVolume& energy, const Typical& typical, const Warp
                columns = static_cast<std::size_t>(points[1]) * static_cast<std::size_t>(points[2]);
     const bool still = warp.frames() < energy.frames();
     for (std::size_t t = 0; t < warp.frames(); ++t)
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns, 64),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
+        tbb::parallel_for(WarpColumnRange(0, columns, warp_columns_per_task),
+                          [&](const WarpColumnRange& range) {
                               std::vector<double> sums;
                               for (auto c = range.begin(); c < range.end(); ++c)
                                   of_points.find(still ? 0 : t, still ? energy.frames() : t + 1, c,

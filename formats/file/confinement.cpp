@@ -1,6 +1,7 @@
 #include "formats/file/confinement.h"
 
 #include "carve/base/failure.h"
+#include "formats/file/full_path.h"
 
 #include <fmt/format.h>
 
@@ -14,7 +15,6 @@ namespace {
 /// The absolute place that a path leads to, without links; nothing if links form a cycle. Below a
 /// missing folder there are no links.
 std::optional<std::filesystem::path> place_behind_links(const std::filesystem::path& path) {
-    constexpr int most_links = 40;  // as Linux
     std::error_code error;
     std::deque<std::filesystem::path> parts;
     const auto walk_first = [&](const std::filesystem::path& more) {

@@ -133,7 +133,6 @@ Seams::Kind kind_of(const SeamGrids& grids) {
 /// memory than the grids: a file may hold very many columns in a few tiles, and one tree for very
 /// many seams.
 void require_columns(const SeamGrids& grids, const Seams& seams) {
-    constexpr std::uint64_t most_per_byte = 8, always_allowed = std::uint64_t{64} << 20;  // bytes
     const auto all = grids.all();
     const auto columns = seams.columns();
     const openvdb::CoordBBox wanted(Coord(0),
@@ -155,8 +154,7 @@ void require_columns(const SeamGrids& grids, const Seams& seams) {
                             grid->getName(), place(box.min()), place(box.max()),
                             place(wanted.min()), place(wanted.max())));
     }
-    if (!all.empty() &&
-        columns > (always_allowed + most_per_byte * held) / (all.size() * sizeof(std::uint16_t)))
+    if (!fits_grids(columns, all.size(), sizeof(std::uint16_t), held))
         throw wrong_seams(
             fmt::format("the shape states {} columns, but the grids hold them in tiles or shared "
                         "trees of {} bytes; write each column of each "

@@ -116,6 +116,12 @@ int read_thickness(const openvdb::MetaMap& metadata, int size) {
 
 }  // namespace
 
+bool fits_grids(std::uint64_t count, std::size_t grids, std::size_t bytes_each,
+                std::uint64_t held) {
+    constexpr std::uint64_t most_per_byte = 8, always_allowed = std::uint64_t{64} << 20;  // bytes
+    return grids == 0 || count <= (always_allowed + most_per_byte * held) / (grids * bytes_each);
+}
+
 Failure wrong_seams(const std::string& message) { return Failure(message, Failure::Kind::input); }
 
 std::string seam_text(const openvdb::MetaMap& metadata, const std::string& name,

@@ -5,6 +5,8 @@
 
 #include <openvdb/MetaMap.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -31,6 +33,12 @@ Seams seams_of_texts(const openvdb::MetaMap& metadata);
 /// @throws Failure (input) if there is none
 std::string seam_text(const openvdb::MetaMap& metadata, const std::string& name,
                       const std::string& owner);
+
+/// Whether values take little more memory than the grids of a file that hold them.
+/// @param count       values in each grid
+/// @param bytes_each  of a value in memory
+/// @param held        bytes of all trees of the grids, each counted once
+bool fits_grids(std::uint64_t count, std::size_t grids, std::size_t bytes_each, std::uint64_t held);
 
 /// A failure that refuses a seam file.
 Failure wrong_seams(const std::string& message);

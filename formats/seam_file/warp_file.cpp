@@ -50,7 +50,6 @@ std::vector<FloatGrid::ConstPtr> ordered(const Volume& volume, std::size_t frame
 /// share.
 void require_points(const std::vector<FloatGrid::ConstPtr>& grids,
                     const std::array<int, 3>& points) {
-    constexpr std::uint64_t most_per_byte = 8, always_allowed = std::uint64_t{64} << 20;  // bytes
     const auto count = static_cast<std::uint64_t>(points[0]) *
                        static_cast<std::uint64_t>(points[1]) *
                        static_cast<std::uint64_t>(points[2]);
@@ -67,7 +66,7 @@ void require_points(const std::vector<FloatGrid::ConstPtr>& grids,
                             "0, 0) to ({}), by the shape and the factor",
                             grid->getName(), voxels, count, numbers_text(wanted.max())));
     }
-    if (count > (always_allowed + most_per_byte * held) / (grids.size() * sizeof(float)))
+    if (!fits_grids(count, grids.size(), sizeof(float), held))
         throw wrong_seams(
             fmt::format("the warp has {} points in each of {} grids, but these hold them in tiles "
                         "or shared trees of {} bytes; write each point of "
