@@ -42,12 +42,12 @@ struct GraphCut : SeamNode {
     void finish(const Params& params, Ports& io, Context& context) {
         solve(params, io, context,
               [&](const EnergyVolume& energy, Window window, int number, const Tick& tick) {
-                  const auto alive = [&] { tick(0); };
+                  const auto check = [&] { tick(0); };
                   const int frames = static_cast<int>(energy.frames()),
                             interval = std::min(params.keyframe_interval.value_or(frames), frames);
                   if (interval == frames && params.threshold == 0)
-                      return exact_seam(energy, window, number, alive);
-                  return keyframed_seam(energy, window, number, interval, params.threshold, alive);
+                      return exact_seam(energy, window, number, check);
+                  return keyframed_seam(energy, window, number, interval, params.threshold, check);
               });
     }
 };

@@ -26,15 +26,15 @@ public:
         : params_(std::move(params)), frames_(std::move(frames)), limits_(std::move(limits)) {}
 
     /// Adds the next frame. All frames have one lattice, or each its own of the same shape.
-    /// @param grids   energy >= 0; optionally field and masks; thick seams need the field
+    /// @param grids  energy >= 0; optionally field and masks; thick seams need the field
     /// @throws Failure as sample_frame() and GatheredEnergy::add()
     void add(const Ref<Lattice>& lattice, const FrameGrids& grids);
 
     /// Finds the seams. Call it once, after all frames are added.
     /// @param tick  is called a few times per second with the share that is done, 0 to 1; what it
-    /// throws ends the search
+    ///   throws ends the search
     /// @throws Failure as task_of() and GatheredEnergy::take_priced(), or if there is no room for
-    /// so many seams
+    ///   so many seams
     Ref<Seams> find(const Tick& tick = [](double) {});
 
 private:

@@ -5,7 +5,6 @@
 #include "formats/file/full_path.h"
 
 #include <fmt/format.h>
-#include <csignal>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -14,6 +13,7 @@
 #include <atomic>
 #include <cerrno>
 #include <charconv>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -166,9 +166,9 @@ int open_stream(const std::string& path) {
     return file;
 }
 
-void make_folder(const std::filesystem::path& folder, const std::string& path) {
+void make_folder(const fs::path& folder, const std::string& path) {
     std::error_code error;
-    std::filesystem::create_directories(folder, error);
+    fs::create_directories(folder, error);
     if (error)
         throw Failure(fmt::format("cannot write {}: the folder {} cannot be made: {}", path,
                                   folder.string(), error.message()));
@@ -177,18 +177,18 @@ void make_folder(const std::filesystem::path& folder, const std::string& path) {
 /// @throws Failure if what is there already is not to be replaced by a file
 void require_replaceable(const std::string& path) {
     std::error_code error;
-    if (std::filesystem::is_directory(path, error))
+    if (fs::is_directory(path, error))
         throw Failure(fmt::format("cannot write {}: it is a folder", path));
     if (is_stream(path))
         throw Failure(
             fmt::format("cannot write {}: it is a device or a pipe, which a file must not replace; "
                         "name a regular file",
                         path));
-    if (std::filesystem::is_symlink(path, error))
+    if (fs::is_symlink(path, error))
         throw Failure(
             fmt::format("cannot write {}: it is a link to {}, which a file must not replace; "
                         "remove the link, or name another path",
-                        path, std::filesystem::read_symlink(path, error).string()));
+                        path, fs::read_symlink(path, error).string()));
 }
 
 }  // namespace
@@ -232,7 +232,7 @@ void OutputFile::require_writable(const std::string& path) {
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     static std::atomic<unsigned> serial{0};
     require_allowed(path_);
-    const std::filesystem::path target(path_);
+    const fs::path target(path_);
     const auto folder = folder_of(target);
     make_folder(folder, path_);
     require_replaceable(path_);
@@ -253,7 +253,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     ::close(file);
     if (!refusal.empty()) {
         std::error_code ignored;
-        std::filesystem::remove(aside_, ignored);
+        fs::remove(aside_, ignored);
         throw refused(path_, refusal);
     }
     unfinished.insert(aside_);
@@ -263,7 +263,7 @@ OutputFile::~OutputFile() {
     const std::lock_guard lock(unfinished_mutex);
     if (unfinished.erase(aside_) == 0) return;
     std::error_code ignored;
-    std::filesystem::remove(aside_, ignored);
+    fs::remove(aside_, ignored);
 }
 
 void OutputFile::commit() {
@@ -277,7 +277,7 @@ void OutputFile::commit() {
         std::error_code error;
         struct stat file {};
         if (stat(aside_.c_str(), &file) == 0) committed[path_] = file.st_ino;
-        std::filesystem::rename(aside_, path_, error);
+        fs::rename(aside_, path_, error);
         if (error) throw Failure(fmt::format("cannot write {}: {}", path_, error.message()));
         unfinished.erase(aside_);
     }
@@ -316,7 +316,7 @@ std::uint64_t OutputFile::inode_of(const std::string& path) {
 void OutputFile::remove_unfinished() {
     const std::lock_guard lock(unfinished_mutex);
     std::error_code ignored;
-    for (const auto& path : unfinished) std::filesystem::remove(path, ignored);
+    for (const auto& path : unfinished) fs::remove(path, ignored);
     unfinished.clear();
 }
 

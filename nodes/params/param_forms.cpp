@@ -94,7 +94,7 @@ std::optional<WarpAmount> parse_curve(const Value& value, ValueReader& reader) {
 }
 
 /// `[low, high]`, or a list of percentages, which are not numbers in YAML.
-Shape pair_or_shares() {
+Shape pair_or_percent() {
     return {
         Shape::Kind::any_of,
         {},
@@ -147,7 +147,7 @@ std::optional<Anchor> ParamTraits<Anchor>::parse(const Value& value, ValueReader
 
 std::string ParamTraits<Anchor>::text(const Anchor& anchor) { return to_text(anchor); }
 
-Shape ParamTraits<RigExtent>::shape() { return pair_or_shares(); }
+Shape ParamTraits<RigExtent>::shape() { return pair_or_percent(); }
 
 std::optional<RigExtent> ParamTraits<RigExtent>::parse(const Value& value, ValueReader& reader) {
     const std::string form = "[low, high], world units or shares such as [-150%, 150%]";
@@ -163,7 +163,7 @@ std::optional<RigExtent> ParamTraits<RigExtent>::parse(const Value& value, Value
 
 std::string ParamTraits<RigExtent>::text(const RigExtent& extent) { return to_text(extent); }
 
-Shape ParamTraits<VertexRange>::shape() { return pair_or_shares(); }
+Shape ParamTraits<VertexRange>::shape() { return pair_or_percent(); }
 
 std::optional<VertexRange> ParamTraits<VertexRange>::parse(const Value& value,
                                                            ValueReader& reader) {
@@ -217,11 +217,11 @@ Shape ParamTraits<WarpAmount>::shape() {
     const Shape length{
         Shape::Kind::any_of, {}, {{Shape::Kind::number, {}, {}}, {Shape::Kind::text, {}, {}}}};
     const Shape point{Shape::Kind::list, {}, {length}},
-        share{Shape::Kind::list, {}, {{Shape::Kind::number, {}, {}}}};
+        factor{Shape::Kind::list, {}, {{Shape::Kind::number, {}, {}}}};
     Shape curve{Shape::Kind::map, {}, {}};
     curve.fields = {{"along", ParamTraits<WarpAmount::Along>::shape()},
                     {"at", {Shape::Kind::list, {}, {point}}},
-                    {"over", {Shape::Kind::list, {}, {share}}}};
+                    {"over", {Shape::Kind::list, {}, {factor}}}};
     return {Shape::Kind::any_of, {}, {length.parts[0], length.parts[1], curve}};
 }
 

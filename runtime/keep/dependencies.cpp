@@ -23,7 +23,7 @@ Dependencies::OfNode Dependencies::of(std::size_t n) const {
     OfNode out{type.name, type.version, std::nullopt, {}, {}};
     if (const auto plugin = pipeline_.plugins.find(type.name); plugin != pipeline_.plugins.end()) {
         const auto content = files_.content(plugin->second);
-        out.plugin = content ? content->key : Hash{};
+        out.plugin = content ? content->hash : Hash{};
     }
     for (const auto& param : type.params) {
         if (param.reads_file() || param.writes_file()) continue;
@@ -70,7 +70,7 @@ Hash Dependencies::contents(std::size_t n, std::size_t t) const {
     Hasher hash;
     for (const auto& path : files(n, t)) {
         const auto content = files_.content(path);
-        hash.hash(content ? content->key : Hash{});
+        hash.hash(content ? content->hash : Hash{});
     }
     return hash.digest();
 }

@@ -62,31 +62,31 @@ std::optional<FileHashes::Content> FileHashes::find(const std::string& path) {
         !confinement.refusal_of_open(file.number).empty())
         return std::nullopt;
     const auto stamp = stamp_of(before);
-    const auto with = [&](const Hash& key) {
-        return Content{key, static_cast<std::uint64_t>(before.st_size), before.st_ino};
+    const auto with = [&](const Hash& hash) {
+        return Content{hash, static_cast<std::uint64_t>(before.st_size), before.st_ino};
     };
     if (settled(before))
-        if (const auto key = stored(stamp)) return with(key);
+        if (const auto hash = stored(stamp)) return with(hash);
 
-    Hasher hash;
+    Hasher hasher;
     std::vector<char> buffer(std::size_t{1} << 20);
     for (;;) {
         const auto got = read(file.number, buffer.data(), buffer.size());
         if (got < 0) return std::nullopt;
         if (got == 0) break;
-        hash.bytes(buffer.data(), static_cast<std::size_t>(got));
+        hasher.bytes(buffer.data(), static_cast<std::size_t>(got));
     }
     struct stat after {};
     if (fstat(file.number, &after) != 0 || stamp_of(after) != stamp_of(before)) return std::nullopt;
-    const auto key = hash.digest();
+    const auto hash = hasher.digest();
     if (settled(after)) {
         try {
-            stored_.add(stamp, {reinterpret_cast<const char*>(&key), sizeof key});
+            stored_.add(stamp, {reinterpret_cast<const char*>(&hash), sizeof hash});
         } catch (const Failure&) {
             // The hash is not stored: the next run reads the file again.
         }
     }
-    return with(key);
+    return with(hash);
 }
 
 std::optional<FileHashes::Content> FileHashes::content(const std::string& path) {

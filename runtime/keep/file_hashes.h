@@ -21,7 +21,7 @@ Hash stamp_of(const struct stat& file);
 class FileHashes {
 public:
     struct Content {
-        Hash key;                ///< hash of the content
+        Hash hash;               ///< of the content
         std::uint64_t size = 0;  ///< bytes
         std::uint64_t inode = 0;
     };

@@ -43,7 +43,7 @@ bool Store::knows(std::size_t n, std::size_t t) {
     for (const auto& path : outputs(n, t)) {
         const auto content = files_.content(path);
         if (!content) return false;
-        now.push_back(content->key.text());
+        now.push_back(content->hash.text());
     }
     const auto were = header->value("files", Json::array());
     const bool current = !now.empty() && std::ranges::find(were, now) != were.end();
@@ -140,7 +140,7 @@ void Store::keep_files(std::size_t n, std::size_t t, const NodeLog& log) {
         const auto content = files_.content_now(path);
         // Another process may have replaced the file since.
         if (!content || content->inode != OutputFile::inode_of(path)) return;
-        now.push_back(content->key.text());
+        now.push_back(content->hash.text());
     }
     auto header = header_of(log);
     header["files"] = Json::array({now});

@@ -113,7 +113,7 @@ void Preparation::compare(Manifest& manifest) {
         const auto& node = pipeline_.nodes[n];
         try {
             if (const auto content = files_.content(path))
-                manifest.require(path, {content->key, content->size});
+                manifest.require(path, {content->hash, content->size});
         } catch (const Failure& failure) {
             const auto frame = node.rate == Rate::frame ? std::optional(frames()[t]) : std::nullopt;
             unlike_manifest_.push_back(failure_in(node, frame, failure.what(), failure.kind));

@@ -14,8 +14,8 @@ namespace fluidcarve {
 /// them is. Under a warp an entry lies between two vertices, and is marked if either of them is; an
 /// entry without content has no energy.
 /// @param codes   energy codes, laid out as by sample_columns()
-/// @param shape  I, J, K of the frame at full size; the steps carve it in order
-/// @param axis   along which the codes are contiguous; the steps' own axes may differ
+/// @param shape   I, J, K of the frame at full size; the steps carve it in order
+/// @param axis    along which the codes are contiguous; the steps' own axes may differ
 /// @param finest  2: the codes and the result are at half size; each coarse entry moves as its
 ///   first vertex does
 /// @return the carved codes, laid out the same way

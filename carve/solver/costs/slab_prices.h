@@ -55,7 +55,7 @@ public:
     /// @param volume         the measured one, perhaps with slabs removed since; must outlive the
     ///   prices
     /// @param taken          slabs from which the next one keeps away
-    /// @param limits  as for EnergyVolume
+    /// @param limits         as for EnergyVolume
     EnergyVolume priced(const EnergyVolume& volume, int thickness, float empty,
                         std::span<const Taken> taken, const Limits& limits) const;
     /// Sets the prices of slabs without content. The other prices do not depend on `empty`.

@@ -20,10 +20,10 @@ void age(const std::string& file) {
     utimensat(AT_FDCWD, file.c_str(), times, 0);
 }
 
-Hash file_key(const std::string& file, const std::string& folder = {}) {
+Hash file_hash(const std::string& file, const std::string& folder = {}) {
     FileHashes files(folder);
     const auto content = files.content(file);
-    return content ? content->key : Hash{};
+    return content ? content->hash : Hash{};
 }
 
 std::size_t remembered(const std::string& folder) {
@@ -48,14 +48,14 @@ TEST_CASE("files of the same content have the same key, whatever their names and
     const auto a = scratch.write("a", "the same"), b = scratch.write("b", "the same"),
                c = scratch.write("c", "another");
     age(b);
-    CHECK(file_key(a));
-    CHECK(file_key(a) == file_key(b));
-    CHECK(file_key(a) != file_key(c));
-    CHECK(file_key(scratch.write("empty", "")));
-    CHECK_FALSE(file_key(scratch / "none"));
-    CHECK_FALSE(file_key(scratch.path()));
+    CHECK(file_hash(a));
+    CHECK(file_hash(a) == file_hash(b));
+    CHECK(file_hash(a) != file_hash(c));
+    CHECK(file_hash(scratch.write("empty", "")));
+    CHECK_FALSE(file_hash(scratch / "none"));
+    CHECK_FALSE(file_hash(scratch.path()));
     REQUIRE(mkfifo((scratch / "pipe").c_str(), 0600) == 0);
-    CHECK_FALSE(file_key(scratch / "pipe"));
+    CHECK_FALSE(file_hash(scratch / "pipe"));
 }
 
 TEST_CASE(
@@ -63,10 +63,10 @@ TEST_CASE(
     "unseen") {
     const Scratch scratch;
     const auto file = scratch.write("a", "one"), folder = scratch / "files";
-    const auto first = file_key(file, folder);
+    const auto first = file_hash(file, folder);
     CHECK(remembered(folder) == 0);
     age(file);  // its state was changed just now, whatever its times say
-    CHECK(file_key(file, folder) == first);
+    CHECK(file_hash(file, folder) == first);
     CHECK(remembered(folder) == 0);
 }
 
@@ -81,7 +81,7 @@ TEST_CASE(
     for (int n = 0; n < 50; ++n)
         all.push_back(scratch.write("in/" + std::to_string(n), "content " + std::to_string(n)));
     std::this_thread::sleep_for(std::chrono::milliseconds(2100));  // as long as files count as new
-    for (const auto& file : all) keys.push_back(file_key(file));
+    for (const auto& file : all) keys.push_back(file_hash(file));
     {
         FileHashes files(folder);
         files.prepare(all);
@@ -90,7 +90,7 @@ TEST_CASE(
     const auto before = remembered_bytes(folder);
     fs::rename(scratch / "in", scratch / "moved");
     for (std::size_t n = 0; n < all.size(); ++n)
-        CHECK(file_key(scratch / ("moved/" + std::to_string(n)), folder) == keys[n]);
+        CHECK(file_hash(scratch / ("moved/" + std::to_string(n)), folder) == keys[n]);
     CHECK(remembered_bytes(folder) == before);
 }
 
@@ -98,10 +98,10 @@ TEST_CASE("a run knows a file as it first read it, until it asks anew") {
     const Scratch scratch;
     const auto file = scratch.write("a", "one");
     FileHashes files("");
-    const auto first = files.content(file)->key;
+    const auto first = files.content(file)->hash;
     scratch.write("a", "two");
-    CHECK(files.content(file)->key == first);
-    CHECK(files.content_now(file)->key != first);
-    CHECK(files.content(file)->key != first);
+    CHECK(files.content(file)->hash == first);
+    CHECK(files.content_now(file)->hash != first);
+    CHECK(files.content(file)->hash != first);
     CHECK(files.content(file)->size == 3);
 }
