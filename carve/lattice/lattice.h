@@ -82,7 +82,7 @@ struct Lattice {
 /// @param behind  number of planes added behind the last one
 Lattice extended(const Lattice& lattice, const std::array<int, 3>& below, int behind);
 
-/// Prefix of a lattice hash. Hashes in seam files of older versions lack it.
+/// Prefix of a lattice hash. A seam file of another tool may state a hash without it.
 inline constexpr std::string_view lattice_hash_prefix = "xxh3-64:";
 
 /// Hash over all fields of a lattice except its description, at full precision: the prefix and 16

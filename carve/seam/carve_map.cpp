@@ -20,7 +20,7 @@ std::string text(const std::array<int, 3>& shape) {
     return fmt::format("{} x {} x {}", shape[0], shape[1], shape[2]);
 }
 
-/// Whether seams were found in a lattice. If their hash is of an older form, the lattice's
+/// Whether seams were found in a lattice. If their hash has another form, the lattice's
 /// description decides, except for lattices that change.
 bool found_in(const Seams& seams, const std::string& hash, const Lattice& lattice) {
     if (hash.starts_with(lattice_hash_prefix)) return hash == lattice.hash;

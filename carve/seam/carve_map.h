@@ -44,9 +44,10 @@ public:
 
     /// Fades displacements linearly to 0 towards lateral rims and open ends. Without a fade they
     /// end there with a jump (METHOD 4 "Tears"). A point's content then comes from `u + s (m - u)`
-    /// instead of `m`, with `s` from 0 to 1 (CarveStep::rim_scale). `m` never falls along the axis, so
-    /// the faded map does not fold. The entries that a removal frees, or an insertion adds beyond
-    /// the lattice, shrink by `s` too. Nothing changes at `vertices` or more from rims and ends.
+    /// instead of `m`, with `s` from 0 to 1 (CarveStep::rim_scale). `m` never falls along the axis,
+    /// so the faded map does not fold. The entries that a removal frees, or an insertion adds
+    /// beyond the lattice, shrink by `s` too. Nothing changes at `vertices` or more from rims and
+    /// ends.
     /// @param vertices  length of the fade, above 0
     /// @throws Failure if the lattice is so thin that no vertex would move by its full
     ///   displacement

@@ -13,7 +13,7 @@ inline constexpr int plugin_abi = 10;
 
 /// The same for the headers of nodes/. Raise it whenever Volume, Lattice, Seams, Rig, Points, Mesh,
 /// SeamNode or a type inside them changes its layout.
-inline constexpr int payload_abi = 12;
+inline constexpr int payload_abi = 13;
 
 /// The header of a plugin, read before any of its code runs. A plugin is a shared library with node
 /// types, and perhaps payload types, of its own family; pipelines name its file under `plugins`.

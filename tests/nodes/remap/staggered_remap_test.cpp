@@ -71,7 +71,7 @@ TEST_CASE("what can't be carved is refused by name") {
               "), this one a box of 8 x 8 x 8 vertices from (1, 0, 0) to (8, 7, 7), spacing 1, "
               "axes xyz (" +
               other.hash + ")");
-    // Seams of an older version state another hash: the description decides.
+    // Seams of another tool may state another hash: the description decides.
     auto old = seams;
     old.lattice_hash = "0123456789abcdef";
     CHECK_NOTHROW(map_of_count(lattice, old));
