@@ -23,7 +23,7 @@ ColumnGrid grid_of(int laterals, int slices, bool ring, const std::array<int, 3>
 
 }  // namespace
 
-TEST_CASE("a point between columns has the four around it; at the last ones, a cell with these") {
+TEST_CASE("a point between columns has the four around it, and at the last ones these") {
     const auto cell = grid_of(4, 3, false).cell({2, 1.25, 0.5});
     CHECK(cell.columns == std::array<std::size_t, 4>{1, 2, 5, 6});
     CHECK(cell.lateral == 0.25);
