@@ -38,6 +38,14 @@ std::string counted(std::size_t count, std::string_view what) {
     return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
+std::string numbers_text(const std::array<double, 3>& of) {
+    return fmt::format("{:g}, {:g}, {:g}", of[0], of[1], of[2]);
+}
+
+std::string numbers_text(const std::array<int, 3>& of) {
+    return fmt::format("{}, {}, {}", of[0], of[1], of[2]);
+}
+
 std::string either(const std::vector<std::string>& all) {
     if (all.size() == 1) return all[0];
     return fmt::format("{} or {}", fmt::join(all.begin(), all.end() - 1, ", "), all.back());

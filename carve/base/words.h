@@ -1,7 +1,6 @@
 #pragma once
 
-#include <fmt/format.h>
-
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -20,11 +19,13 @@ std::string counted(std::size_t count, std::string_view what);
 /// "a", "a or b", "a, b or c". @param all  one or more
 std::string either(const std::vector<std::string>& all);
 /// The numbers of a place, a voxel or a vertex: "1.5, 2, 3".
+std::string numbers_text(const std::array<double, 3>& of);
+std::string numbers_text(const std::array<int, 3>& of);
 template <class Three>
 std::string numbers_text(const Three& of) {
-    if constexpr (std::is_floating_point_v<std::remove_cvref_t<decltype(of[0])>>)
-        return fmt::format("{:g}, {:g}, {:g}", of[0], of[1], of[2]);
-    else return fmt::format("{}, {}, {}", of[0], of[1], of[2]);
+    using Number =
+        std::conditional_t<std::is_integral_v<std::remove_cvref_t<decltype(of[0])>>, int, double>;
+    return numbers_text(std::array<Number, 3>{of[0], of[1], of[2]});
 }
 /// A text in small letters; only A to Z change.
 std::string in_small_letters(std::string_view text);
