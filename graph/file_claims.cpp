@@ -72,7 +72,7 @@ private:
     /// The target of a link, without links.
     fs::path followed(fs::path file) {
         std::error_code error;
-        for (int n = 0; n < most_links && fs::is_symlink(file, error); ++n)
+        for (int n = 0; n < most_symlinks && fs::is_symlink(file, error); ++n)
             file = file.parent_path() / fs::read_symlink(file, error);
         return resolved_folder(file) / file.filename();
     }

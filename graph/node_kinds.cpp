@@ -2,7 +2,6 @@
 
 #include "carve/base/find_or_null.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <string>

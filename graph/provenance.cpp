@@ -67,8 +67,9 @@ public:
 
     /// The param that a value is as a whole, or null.
     const Value::Field* param_at(const Mark& mark) const {
-        return find_or_null(document_.params.fields, mark,
-                            [](const Value::Field& param) { return param.value.mark; });
+        return find_or_null(
+            document_.params.fields, mark,
+            [](const Value::Field& param) -> const Mark& { return param.value.mark; });
     }
 
 private:

@@ -105,7 +105,7 @@ public:
     }
 
     /// The placement of a grid; points may have an offset from the other grids.
-    Placement placement_of(const openvdb::GridBase& grid, Placement placement) const {
+    Placement with_offset(const openvdb::GridBase& grid, Placement placement) const {
         if (is_point_grid(grid) && conventions_ && conventions_->points_off)
             placement.offset = openvdb::Vec3d(-0.5);
         return placement;
@@ -272,7 +272,7 @@ struct VdbRead {
             auto volume = std::make_shared<Volume>(contents.file().read());
             for (std::size_t n = 0; n < volume->grids.size(); ++n) grids[n] = volume->grids[n];
             for (auto& grid : volume->grids)
-                grid = placed(grid, contents.placement_of(grid.header(), placement));
+                grid = placed(grid, contents.with_offset(grid.header(), placement));
             io.volume = std::move(volume);
         }
         for (const auto& [output, all] : places) {

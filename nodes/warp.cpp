@@ -178,12 +178,12 @@ struct WarpSolve {
     }
     static ItemCount item_count(const Payload& result) {
         const auto set = result.as<Seams>();
-        const auto of = static_cast<std::size_t>(set->before());
-        if (!set->warp) return {Reach::nothing, of};
-        if (!set->warp->linear()) return {Reach::one_amount, of};
+        const auto all = static_cast<std::size_t>(set->before());
+        if (!set->warp) return {Reach::nothing, all};
+        if (!set->warp->linear()) return {Reach::one_amount, all};
         const bool paired = set->pair_window.has_value();
         const int sign = paired && set->warp->scale() > 0 ? 1 : -1;
-        return {Reach::of(sign * most_linear(*set->warp, sign), paired), of};
+        return {Reach::of(sign * most_linear(*set->warp, sign), paired), all};
     }
     static std::size_t wanted(const Params& params, std::size_t vertices) {
         if (states_nothing(params)) return Reach::nothing;

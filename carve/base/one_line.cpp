@@ -32,8 +32,10 @@ std::string cut_short(const std::string& text) {
     const auto begins_inside = [&](std::size_t at) {
         return (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80;
     };
+    constexpr std::size_t longest_character = 4;
     auto end = most;
-    while (end > 0 && begins_inside(end)) --end;
+    while (end > most - longest_character && begins_inside(end)) --end;
+    if (begins_inside(end)) end = most;  // the text is not UTF-8
     return text.substr(0, end) + "...";
 }
 

@@ -168,10 +168,8 @@ public:
         const auto all = (paired_ ? 2 : 1) * count_;
         return {first_displaced_.data() + column * all, all};
     }
-    /// @param slice  may be the one behind the last if slices are closed
     std::span<const std::uint16_t> first_displaced(int lateral, int slice) const {
-        const bool turned = columns_.closed && slice == columns_.slices;
-        return first_displaced(columns_.index(lateral, turned ? 0 : slice));
+        return first_displaced(columns_.index(lateral, slice));
     }
     /// Those of a vertex's column, which must exist.
     std::span<const std::uint16_t> first_displaced(const openvdb::Coord& vertex) const {

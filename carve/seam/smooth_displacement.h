@@ -6,7 +6,6 @@
 #include <openvdb/Types.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -35,7 +34,7 @@ public:
     /// number of the step's seams. Near the first and last entry the filter is narrower, but
     /// symmetric, so that an end moves as far as before.
     explicit SmoothDisplacement(const CarveStep& step);
-    /// Smooths displacements by a tent in space and time. They are not scaled by a fade. Half a
+    /// Smooths displacements by a tent in space and time. They are not scaled by CarveStep::rim_scale. Half a
     /// vertex beyond either end of a span, displacements stay as they were: the map continues
     /// there as its own mirror image. So content at an end is squeezed, not cut off.
     /// @param steps    the same step in neighbouring frames: an odd number, this frame in the
@@ -80,7 +79,7 @@ public:
     };
     /// Displacement and gradient at a point, trilinear between the vertices.
     /// @param at    carved lattice coordinates, inside the step's
-    /// @param step  the step that was smoothed; its fade scales values and slopes
+    /// @param step  the step that was smoothed; its rims' fade scales values and slopes
     Value at(const openvdb::Vec3d& at, const CarveStep& step) const;
 
 private:

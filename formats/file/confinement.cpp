@@ -32,7 +32,7 @@ std::optional<std::filesystem::path> place_behind_links(const std::filesystem::p
             out /= part;  // an absolute part replaces the whole path
         } else {
             const auto target = std::filesystem::read_symlink(out / part, error);
-            if (error || ++links > most_links) return std::nullopt;
+            if (error || ++links > most_symlinks) return std::nullopt;
             walk_first(target);
         }
     }

@@ -5,7 +5,7 @@
 namespace fluidcarve {
 
 /// So many symbolic links are followed on the way to a file, as in Linux; more are a circle.
-inline constexpr int most_links = 40;
+inline constexpr int most_symlinks = 40;
 
 /// A path from the root, without `.` and `..`; symbolic links stay. If there is no working folder
 /// any more, a relative path stays relative.

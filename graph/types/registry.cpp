@@ -53,9 +53,13 @@ void Registry::add(NodeType type) {
     }
     if (const auto& input = type.names_from; !input.empty()) {
         if (!type.input(input))
-            refuse(fmt::format("it has no input '{}' whose grids could name others", input));
+            refuse(
+                fmt::format("its first output can't have the names of the grids of '{}': there "
+                            "is no such input",
+                            input));
         if (type.outputs.empty())
-            refuse(fmt::format("it has no output whose grids '{}' could name", input));
+            refuse(fmt::format("it has no output that could have the names of the grids of '{}'",
+                               input));
     }
     for (const auto& kind : type.kinds)
         if (!type.input(kind.input))

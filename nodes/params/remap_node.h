@@ -65,10 +65,10 @@ Declare<Node>& declare_remap(Declare<Node>& node) {
             .input("seams", &Ports::seams,
                    "Seams or a warp, or a list of them in the order of carving. Or one set of "
                    "seams of frames (`axis: t` of its solver): then the sequence gets shorter or "
-                   "longer, and what follows this node has the new frames. Parameters other than "
-                   "`count`, `join`, `fade` and `soft`, both in frames, and `transform_vectors` "
-                   "then have no effect. With `join: cut` all is bit for bit that of a frame of "
-                   "the source.")
+                   "longer, and what follows this node has the new frames. `fade` and `soft` are "
+                   "then in frames; leave out what acts within a frame, such as `rim` and "
+                   "`soft_time`. With `join: cut` all is bit for bit that of a frame of the "
+                   "source.")
             .param("count", &Params::count, Unit::seams, any_number(),
                    "Number of seams to carve, from the first on. If there are several sets, it "
                    "counts in the last one. The sign may be left out. auto is all. A warp is "
@@ -76,7 +76,7 @@ Declare<Node>& declare_remap(Declare<Node>& node) {
             .param("rim", &Params::rim,
                    "How the carve ends at the lattice's rims beside the carved axis (the rims "
                    "along v if u is carved) and at open ends. cut: it stops there; content that "
-                   "crosses the rim may tear, and a warning of remap.grids says so. fade: "
+                   "crosses the rim may tear, and remap.grids and remap.mesh warn of it. fade: "
                    "displacements go linearly to 0 towards the rim, and so does what a seam takes "
                    "or adds. Use the same value for all that the same seams carve.")
             .param("rim_fade", &Params::rim_fade, Unit::vertices, between(1, 10000), rim_fade_doc)

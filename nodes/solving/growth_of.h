@@ -21,8 +21,8 @@ Growth growth_of(std::string param, std::string item) {
         .rest = [](const void* params) { return Node::rest(*static_cast<const Params*>(params)); },
         .item_count = &Node::item_count,
         .wanted =
-            [](const void* params, std::size_t of) {
-                return Node::wanted(*static_cast<const Params*>(params), of);
+            [](const void* params, std::size_t all_items) {
+                return Node::wanted(*static_cast<const Params*>(params), all_items);
             },
         .first = &Node::first,
         .warnings = &Node::warnings,

@@ -26,8 +26,8 @@ public:
 
     ReportedSeams run() {
         const auto [pairs, found] =
-            find_parts(task_, [&](const SeamPart& part, int count, const FoundSeams& before) {
-                return find(part, count, before);
+            find_parts(task_, [&](const SeamPart& part, int count, const FoundSeams& found_pairs) {
+                return find(part, count, found_pairs);
             });
         auto out = whole(found, pairs);
         if (static_cast<int>(found.seams.size()) == task_.count) return out;

@@ -177,14 +177,21 @@ std::vector<NodeWork> work_of(const Schedule& schedule) {
         out[n].once = schedule.gathers[n] != 0 || schedule.once[n] == Action::run;
         out[n].loaded_results = schedule.once[n] == Action::load ? 1 : 0;
     }
-    for (const auto& pass : schedule.frames)
-        for (const auto& frame : pass)
-            for (std::size_t n = 0; n < out.size(); ++n) {
-                out[n].runs += frame.results[n] == Action::run ? 1 : 0;
+    for (std::size_t n = 0; n < out.size(); ++n) {
+        std::vector<bool> computed(schedule.frames.empty() ? 0 : schedule.frames.front().size());
+        for (const auto& pass : schedule.frames)
+            for (std::size_t t = 0; t < pass.size(); ++t) {
+                const auto& frame = pass[t];
+                if (frame.results[n] == Action::run) {
+                    ++out[n].runs;
+                    out[n].frames += computed[t] ? 0 : 1;
+                    computed[t] = true;
+                }
                 out[n].consumed_inputs += frame.consumes[n] == Consume::inputs ? 1 : 0;
                 out[n].consumed_digests += frame.consumes[n] == Consume::digest ? 1 : 0;
                 out[n].loaded_results += frame.results[n] == Action::load ? 1 : 0;
             }
+    }
     return out;
 }
 

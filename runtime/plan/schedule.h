@@ -64,8 +64,8 @@ Schedule make_schedule(const Pipeline& pipeline, const Plan& plan,
 
 /// How often a node works, over all passes.
 struct NodeWork {
-    /// Computed frames; one that two passes need, and that is not kept, counts twice.
-    std::size_t runs = 0;
+    std::size_t frames = 0;  ///< frames that it computes
+    std::size_t runs = 0;    ///< the same, but one that two passes compute counts twice
     /// For a gathering node: frames taken from its inputs, and from cached digests.
     std::size_t consumed_inputs = 0, consumed_digests = 0;
     std::size_t loaded_results = 0;
@@ -95,6 +95,8 @@ struct NodeDemand {
     bool only_digests = false;
     /// For a gathering node: frames taken from its inputs, and from cached digests.
     std::size_t consumed_inputs = 0, consumed_digests = 0;
+
+    std::size_t gathered() const { return consumed_inputs + consumed_digests; }
 };
 
 /// @param uncached  the schedule of the same plan with an empty cache

@@ -42,7 +42,7 @@ const SurveyedFacts* CarriedFacts::receives(std::size_t node, int frame,
 std::string CarriedFacts::carry(std::size_t n, int frame) {
     const auto& node = pipeline_.nodes[n];
     if (const auto* const from = receives(n, frame, node.type->names_from))
-        deliver(n, frame, node.outputs.front().name, {from->grids, std::nullopt});
+        known_[n][key({n, 0}, frame)] = {{from->grids, std::nullopt}, n};
     if (!node.type->in_place) return {};
 
     const KnownFact* first = nullptr;

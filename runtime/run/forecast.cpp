@@ -66,10 +66,10 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
         const auto& demand = demands[n];
         const auto& node = pipeline.nodes[n];
         if (demand.needed == 0) continue;
-        out.lines.push_back(
-            {node.name, node.type->name, demand.needed, demand.needed - demand.computed, why[n],
-             demand.consumed_inputs + demand.consumed_digests, demand.consumed_digests,
-             node.type->growth ? node.type->growth->item : ""});
+        out.lines.push_back({node.name, node.type->name, demand.needed,
+                             demand.needed - demand.computed, why[n], demand.gathered(),
+                             demand.consumed_digests,
+                             node.type->growth ? node.type->growth->item : ""});
         const auto& cost = out.expected[n];
         bool known = true;
         out.seconds += expected_seconds(cost, work[n], known);
@@ -83,12 +83,12 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
 
 std::uint64_t memory_of(const Node& node, const NodeCost& cost, const NodeWork& work,
                         std::uint64_t input_bytes, const RunOptions& options) {
-    if (!work.once && work.runs == 0 && work.consumed_inputs == 0) return 0;
+    if (!work.once && work.frames == 0 && work.consumed_inputs == 0) return 0;
     // Outputs per frame exist once per frame in flight. Digests exist until the gathering node
     // finishes, for all frames.
     const auto bytes = cost.bytes > 0 ? cost.bytes : input_bytes;
     const auto in_flight = std::min(static_cast<std::size_t>(options.in_flight),
-                                    std::max(work.runs, work.consumed_inputs));
+                                    std::max(work.frames, work.consumed_inputs));
     return work.once && node.type->digest != typeid(void) && node.rate != Rate::frame
                ? std::min(options.memory, bytes * work.gathered())
                : bytes * std::max<std::size_t>(1, in_flight);
@@ -99,7 +99,7 @@ std::uint64_t disk_of(const Node& node, const NodeCost& cost, const NodeWork& wo
     const bool writer = node.outputs.empty();
     const auto bytes = cost.bytes > 0 && !writer ? cost.bytes : input_bytes;
     const auto results =
-        writer || node.kept ? work.runs + (work.once && node.rate != Rate::frame ? 1 : 0) : 0;
+        writer || node.kept ? work.frames + (work.once && node.rate != Rate::frame ? 1 : 0) : 0;
     return bytes * (results + (digests_apart(node) ? work.consumed_inputs : 0));
 }
 
@@ -117,7 +117,7 @@ std::string to_text(const Forecast& forecast) {
         auto why = line.why;
         if (line.consumed_digests > 0)
             why += fmt::format("; takes {} of {} frames from the work folder",
-                               line.consumed_digests, line.consumed);
+                               line.consumed_digests, line.gathered);
         rows.push_back(
             {line.node, line.type, std::to_string(line.frames), std::to_string(line.cached), why});
     }
@@ -147,8 +147,8 @@ Json to_json(const Forecast& forecast) {
     for (const auto& line : forecast.lines) {
         auto& node = out["nodes"][line.node];
         node = {{"type", line.type}, {"frames", line.frames}, {"cached", line.cached}};
-        if (line.consumed > 0)
-            node["taken"] = {{"frames", line.consumed}, {"cached", line.consumed_digests}};
+        if (line.gathered > 0)
+            node["taken"] = {{"frames", line.gathered}, {"cached", line.consumed_digests}};
         if (!line.why.empty()) node["why"] = line.why;
         if (!line.item.empty()) node["item"] = line.item;
     }

@@ -34,9 +34,7 @@ std::string lack_of(const Pipeline& pipeline, std::size_t n, const Plan& plan,
         return fmt::format(
             "{} {} of {} are not in the work folder '{}', {}and --wait leaves them to other runs; "
             "run --to {} first",
-            what, frames,
-            counted(std::max(demand.needed, demand.consumed_inputs + demand.consumed_digests),
-                    "frame"),
+            what, frames, counted(std::max(demand.needed, demand.gathered()), "frame"),
             request.options.work_folder, waited, node.name);
     };
     if (digests_apart(node) && demand.consumed_inputs > 0)

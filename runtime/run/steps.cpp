@@ -250,7 +250,8 @@ private:
             for (std::size_t n = 0; n < works.size(); ++n) {
                 const auto& node = pipeline.nodes[n];
                 auto work = works[n];
-                for (auto* const count : {&work.runs, &work.consumed_inputs, &work.loaded_results})
+                for (auto* const count :
+                     {&work.frames, &work.runs, &work.consumed_inputs, &work.loaded_results})
                     *count = part(*count);
                 seconds += expected_seconds(expected[n], work, known);
                 out.memory += memory_of(node, expected[n], work, input_bytes, options);

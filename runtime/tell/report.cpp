@@ -48,7 +48,6 @@ void Report::ran(std::size_t node, std::size_t t, double seconds, std::uint64_t 
     const std::lock_guard lock(mutex_);
     auto& stats = stats_[node];
     stats.computed.insert(t);
-    ++stats.runs;
     stats.frame_s += seconds;
     stats.most_bytes = std::max(stats.most_bytes, bytes);
 }
@@ -57,7 +56,7 @@ void Report::consumed(std::size_t node, std::size_t t, double seconds, std::uint
     const std::lock_guard lock(mutex_);
     auto& stats = stats_[node];
     stats.consumed.insert(t);
-    stats.take_s += seconds;
+    stats.consume_s += seconds;
     stats.most_bytes = std::max(stats.most_bytes, bytes);
 }
 
@@ -102,7 +101,7 @@ std::optional<GatheringProgress> Report::gathering(std::size_t n) const {
     if (n >= demands_.size() || !pipeline_.nodes[n].streams_in() || demands_[n].only_digests ||
         stats_[n].finished)
         return std::nullopt;
-    const auto needed = demands_[n].consumed_inputs + demands_[n].consumed_digests;
+    const auto needed = demands_[n].gathered();
     if (needed == 0) return std::nullopt;
     return GatheringProgress{stats_[n].gathered.size(), needed, stats_[n].items,
                              stats_[n].of_items};

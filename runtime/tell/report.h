@@ -95,10 +95,9 @@ private:
         std::set<std::size_t> computed, consumed, gathered;
         std::size_t items = 0, of_items = 0;
         bool finished = false;
-        double frame_s = 0, take_s = 0, once_s = 0;  ///< sums of seconds
-        std::size_t runs = 0;
+        double frame_s = 0, consume_s = 0, once_s = 0;  ///< sums of seconds
         std::uint64_t most_bytes = 0;
-        double seconds() const { return frame_s + take_s + once_s; }
+        double seconds() const { return frame_s + consume_s + once_s; }
     };
     const Pipeline& pipeline_;
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

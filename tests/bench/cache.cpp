@@ -7,7 +7,6 @@
 #include "tests/support/scratch.h"
 
 #include <filesystem>
-#include <stdexcept>
 #include <vector>
 
 using namespace fluidcarve;

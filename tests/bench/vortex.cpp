@@ -92,7 +92,8 @@ public:
         for (int n = 0; n < 8; ++n) {
             const auto vertex = cell.offsetBy(n & 1, n >> 1 & 1, n >> 2);
             if (vertex.x() >= step_.after() || vertex.y() >= step_.columns().laterals) return 0;
-            const int found = step_.displacement(vertex.x(), vertex.y(), vertex.z());
+            const int found = step_.displacement(vertex.x(), vertex.y(),
+                                                 step_.columns().turned_slice(vertex.z()));
             if (n > 0 && found != out) return 0;
             out = found;
         }

@@ -51,7 +51,13 @@ nodes:
     type.names_from = "numbre";
     CHECK_THROWS_WITH(
         registry.add(type),
-        "node type 'toy.passing': it has no input 'numbre' whose grids could name others");
+        "node type 'toy.passing': its first output can't have the names of the grids of 'numbre': "
+        "there is no such input");
+    type.names_from = "numbers";
+    type.outputs.clear();
+    CHECK_THROWS_WITH(registry.add(type),
+                      "node type 'toy.passing': it has no output that could have the names of the "
+                      "grids of 'numbers'");
 }
 
 TEST_CASE("check warns of a node whose outputs no node takes, if another one writes") {

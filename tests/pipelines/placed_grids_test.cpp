@@ -48,17 +48,13 @@ struct Storage {
     }
 };
 
-std::string file_of(const std::string& folder, const char* name, int frame) {
-    return fmt::format("{}/{}.{:04}.vdb", folder, name, frame);
-}
-
 /// Writes three frames of the plume as `storage` has them, carves them, and returns the carved
 /// grids in the original's voxels.
 std::map<int, FloatGrid::Ptr> carved_copy(const std::string& folder, const Storage& storage,
                                           const std::string& arguments) {
     std::filesystem::create_directories(folder);
     for (int frame = 51; frame <= 53; ++frame) {
-        const auto original = density_in(file_of(SOURCE_ROOT "/tests/data/plume", "plume", frame));
+        const auto original = density_in(file_at(SOURCE_ROOT "/tests/data/plume/plume", frame));
         const auto copy = FloatGrid::create();
         REQUIRE(original->tree().activeTileCount() == 0);
         for (auto value = original->cbeginValueOn(); value; ++value)
@@ -66,7 +62,7 @@ std::map<int, FloatGrid::Ptr> carved_copy(const std::string& folder, const Stora
         copy->setName("density");
         copy->setGridClass(openvdb::GRID_FOG_VOLUME);
         copy->setTransform(storage.transform(original->transform(), frame));
-        openvdb::io::File(file_of(folder, "in", frame)).write({copy});
+        openvdb::io::File(file_at(folder + "/in", frame)).write({copy});
     }
     const auto ran =
         call_shell(fmt::format("{} carve {}/in.####.vdb {} -o {}/out.####.vdb --progress none",
@@ -76,8 +72,8 @@ std::map<int, FloatGrid::Ptr> carved_copy(const std::string& folder, const Stora
     CHECK(ran.err.find("warning") == std::string::npos);
     std::map<int, FloatGrid::Ptr> out;
     for (int frame = 51; frame <= 53; ++frame) {
-        const auto result = density_in(file_of(folder, "out", frame));
-        CHECK(result->transform() == density_in(file_of(folder, "in", frame))->transform());
+        const auto result = density_in(file_at(folder + "/out", frame));
+        CHECK(result->transform() == density_in(file_at(folder + "/in", frame))->transform());
         auto& back = out[frame] = FloatGrid::create();
         for (auto value = result->cbeginValueOn(); value; ++value) {
             const auto at = value.getCoord() - Coord((frame - 51) * storage.shift[0],
@@ -163,7 +159,7 @@ TEST_CASE("sheared voxels, and voxels that are no cubes, are carved in their own
         for (const auto& [frame, grid] :
              carved_copy(scratch / "copy", {{0, 1, 2}, {1, 1, 1}, {0, 0, 0}, world}, "-12")) {
             const auto before =
-                wide(*density_in(file_of(SOURCE_ROOT "/tests/data/plume", "plume", frame)));
+                wide(*density_in(file_at(SOURCE_ROOT "/tests/data/plume/plume", frame)));
             CHECK(wide(*grid) <= before - 10);
             CHECK(wide(*grid) >= before - 12);
         }

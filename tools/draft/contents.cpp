@@ -26,9 +26,9 @@ constexpr double voxels_of_mesh = 96;
 
 /// The part of a list, such as a grid, of a name; null: none.
 const Facts* part_of(const Facts& list, const std::string& name) {
-    const auto found =
-        std::ranges::find_if(list, [&](const Facts& part) { return part.at("name") == name; });
-    return found == list.end() ? nullptr : &*found;
+    for (const auto& part : list)
+        if (part.at("name") == name) return &part;
+    return nullptr;
 }
 
 openvdb::BBoxd box_of(const Facts& box) {

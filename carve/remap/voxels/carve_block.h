@@ -59,7 +59,7 @@ public:
     /// The displacement of a point through all steps.
     struct Rigid {
         openvdb::Vec3d by{0.0};  ///< along u, v and w, vertices
-        bool fades = false;      ///< whether a fade scaled it down
+        bool fades = false;      ///< whether a rim's fade scaled it down
     };
     /// The displacement of a point of the box, if in each step all corners of its cell are
     /// displaced by the same whole vertices, or smoothly; else nothing.

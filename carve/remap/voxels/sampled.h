@@ -17,9 +17,9 @@ enum class Interpolation { linear, quadratic, cubic };
 /// component of a staggered grid is carved at its own face. Integers, booleans and masks are read
 /// from the nearest voxel.
 /// Where rims fade, CarveStep::rim_scale moves all source positions towards `l`. Beside a seam,
-/// values are blended with the same weights as without a fade.
+/// values are blended with the same weights as without such a fade.
 /// @param mapping  of the lattice, with the extent map.reach()
-/// @param unfaded  the result without a fade, if it is known; only the rest is sampled then
+/// @param unfaded  the result without a fade of rims, if it is known; only the rest is sampled then
 /// @return the grid itself, or `unfaded`, if nothing changes
 template <class GridT>
 typename GridT::ConstPtr carve_sampled(const typename GridT::ConstPtr& grid, const Mapping& mapping,

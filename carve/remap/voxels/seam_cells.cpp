@@ -1,7 +1,6 @@
 #include "carve/remap/voxels/seam_cells.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 
 namespace fluidcarve {

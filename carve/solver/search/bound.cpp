@@ -183,7 +183,7 @@ private:
 
     /// Takes the messages to a column, divides its costs, and sends messages to the columns that
     /// come next.
-    /// @param at  lateral, k, and the frame in the block
+    /// @param at  lateral, slice, and the frame in the block
     /// @return what the column adds to the bound
     double visit(const Turn& turn, const Sizes& at, Work& work) {
         const auto in_block = columns_.at(at[0], at[1], at[2]),

@@ -84,7 +84,7 @@ public:
     bool has(std::size_t dimension) const { return messages_.has(dimension); }
     /// Interpolates the message to a column of the full resolution. Lines of full resolution have
     /// twice as many columns and cost twice as much.
-    /// @param at      lateral, k and t at the full resolution
+    /// @param at      lateral, slice and frame at the full resolution
     /// @param buffer  for two messages
     void get(std::size_t dimension, const Sizes& at, std::span<float> message,
              std::vector<float>& buffer) const {

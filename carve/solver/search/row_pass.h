@@ -286,7 +286,7 @@ private:
 
     const MessagePass& pass_;
     const EightPlaces outside_;
-    // Places along lateral, k and t: from a ring's first column on, and from column 0 on.
+    // Places along lateral, slice and frame: from a ring's first column on, and from column 0 on.
     std::array<std::size_t, 3> at_, place_;
     const std::size_t row_;  ///< the row's column 0
     // Whether there are neighbours that the pass has visited before and that it visits later.

@@ -38,7 +38,7 @@ public:
                  const std::function<void()>& check);
 
 private:
-    /// Where rings begin, along lateral and k.
+    /// Where rings begin, along lateral and slice.
     using Origin = std::array<std::size_t, 2>;
 
     void improve(std::vector<std::uint16_t>& seam, int passes, const Origin& origin, bool goes_on,

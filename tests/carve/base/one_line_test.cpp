@@ -15,4 +15,7 @@ TEST_CASE("a text for a message is cut after 60 bytes, but not inside a characte
     CHECK(cut_short(most + "\u00e9s") == most + "\u00e9...");
     CHECK(cut_short(most + "a\u00e9") == most + "a...");
     CHECK(cut_short(most + "\U0001f525") == most + "...");
+    CHECK(cut_short(most.substr(1) + "\U0001f525") == most.substr(1) + "...");
+    const std::string no_character(60, '\x80');
+    CHECK(cut_short(no_character + '\x80') == no_character + "...");
 }

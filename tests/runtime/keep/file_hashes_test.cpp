@@ -43,7 +43,7 @@ std::uintmax_t remembered_bytes(const std::string& folder) {
 
 }  // namespace
 
-TEST_CASE("files of the same content have the same key, whatever their names and times") {
+TEST_CASE("files of the same content have the same hash, whatever their names and times") {
     const Scratch scratch;
     const auto a = scratch.write("a", "the same"), b = scratch.write("b", "the same"),
                c = scratch.write("c", "another");
@@ -77,11 +77,11 @@ TEST_CASE(
     const auto folder = scratch / "files";
     fs::create_directory(scratch / "in");
     std::vector<std::string> all;
-    std::vector<Hash> keys;
+    std::vector<Hash> hashes;
     for (int n = 0; n < 50; ++n)
         all.push_back(scratch.write("in/" + std::to_string(n), "content " + std::to_string(n)));
     std::this_thread::sleep_for(std::chrono::milliseconds(2100));  // as long as files count as new
-    for (const auto& file : all) keys.push_back(file_hash(file));
+    for (const auto& file : all) hashes.push_back(file_hash(file));
     {
         FileHashes files(folder);
         files.prepare(all);
@@ -90,7 +90,7 @@ TEST_CASE(
     const auto before = remembered_bytes(folder);
     fs::rename(scratch / "in", scratch / "moved");
     for (std::size_t n = 0; n < all.size(); ++n)
-        CHECK(file_hash(scratch / ("moved/" + std::to_string(n)), folder) == keys[n]);
+        CHECK(file_hash(scratch / ("moved/" + std::to_string(n)), folder) == hashes[n]);
     CHECK(remembered_bytes(folder) == before);
 }
 

@@ -67,6 +67,9 @@ TEST_CASE("a gathering node takes every frame in one pass, and delivers some in 
     CHECK(share.run == std::set<std::size_t>{0});
     CHECK(share.consumed_inputs == std::set<std::size_t>{0, 1});
     CHECK(share.consumed_digests.empty());
+    const auto load = work_of(uncached).front();
+    CHECK(load.frames == 2);
+    CHECK(load.runs == 3);
 
     // `square` is kept: the second pass loads what the first computes.
     const auto keeping = make_schedule(pipeline, plan, {true, false}, {no, no, yes, yes, yes});
