@@ -34,9 +34,10 @@ public:
     /// number of the step's seams. Near the first and last entry the filter is narrower, but
     /// symmetric, so that an end moves as far as before.
     explicit SmoothDisplacement(const CarveStep& step);
-    /// Smooths displacements by a tent in space and time. They are not scaled by CarveStep::rim_scale. Half a
-    /// vertex beyond either end of a span, displacements stay as they were: the map continues
-    /// there as its own mirror image. So content at an end is squeezed, not cut off.
+    /// Smooths displacements by a tent in space and time. They are not scaled by
+    /// CarveStep::rim_scale. Half a vertex beyond either end of a span, displacements stay as they
+    /// were: the map continues there as its own mirror image. So content at an end is squeezed, not
+    /// cut off.
     /// @param steps    the same step in neighbouring frames: an odd number, this frame in the
     ///   middle
     /// @param windows  of the step, rising

@@ -240,8 +240,8 @@ std::vector<ColumnBox> Cut::tiles(std::size_t nodes, bool shifted) const {
     return out;
 }
 
-/// Layers along slices or frames, whichever is longer. Each has at least two planes, so that every second one
-/// touches no other's nodes.
+/// Layers along slices or frames, whichever is longer. Each has at least two planes, so that every
+/// second one touches no other's nodes.
 std::vector<ColumnBox> Cut::layers() const {
     const std::array<std::size_t, 3> sizes{graph_.layout.laterals(), graph_.layout.slices(),
                                            graph_.layout.frames()};
