@@ -89,7 +89,8 @@ END
 
 }  // namespace
 
-TEST_CASE("the tasks of every engine have each frame once, and job bundles are valid", "[long]") {
+TEST_CASE("the tasks of every engine have each frame once, and job bundles are valid",
+          "[nightly][long]") {
     struct Case {
         std::string frames;
         int first, last, step;
@@ -166,7 +167,7 @@ TEST_CASE("a job bundle says what travels, and what its hosts must have") {
 }
 
 TEST_CASE("a job bundle makes what one run makes, also where its scheduler has moved files",
-          "[long]") {
+          "[nightly][long]") {
     const Project project;
     REQUIRE(project.call("run", "-q --no-cache").code == 0);
     fs::rename(project.folder() + "/out", project.folder() + "/one");

@@ -91,7 +91,7 @@ TEST_CASE("a farm on one machine makes what one run makes, and computes each ene
     CHECK(again.code == 0);
 }
 
-TEST_CASE("a task of a farm that is killed runs again, and what was done stays done") {
+TEST_CASE("a task of a farm that is killed runs again, and what was done stays done", "[nightly]") {
     const Plume plume;
     const auto killed = call_shell(plume.command("farm local", "out", "--chunk 2") +
                                    " & farm=$!; until child=$(pgrep -P $farm); do sleep 0.01; "
@@ -102,7 +102,8 @@ TEST_CASE("a task of a farm that is killed runs again, and what was done stays d
     CHECK(plume.status("out").at("state") == "done");
 }
 
-TEST_CASE("a farm that is stopped ends its tasks, and goes on when it is run again", "[long]") {
+TEST_CASE("a farm that is stopped ends its tasks, and goes on when it is run again",
+          "[nightly][long]") {
     const Plume plume;
     const auto stopped = call_shell(plume.command("farm local", "out", "--chunk 1") +
                                     " & farm=$!; until pgrep -P $farm >/dev/null; do sleep 0.01; "
@@ -117,7 +118,7 @@ TEST_CASE("a farm that is stopped ends its tasks, and goes on when it is run aga
 
 TEST_CASE(
     "a step that fails ends what needs it, and both the farm and status say why and how to go on",
-    "[long]") {
+    "[nightly][long]") {
     const Plume plume;
     // All smoke is protected, so that no seam passes the window: only the solver finds out.
     const auto shot = [&](const char* fields) {

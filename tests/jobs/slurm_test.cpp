@@ -138,7 +138,7 @@ TEST_CASE("Slurm makes what one run makes, and computes each energy once") {
     }
 }
 
-TEST_CASE("a chunk that fails once and a machine that dies lose nothing") {
+TEST_CASE("a chunk that fails once and a machine that dies lose nothing", "[nightly]") {
     if (!ready()) return;
     const SlurmCluster cluster;
     const Job job(cluster, "pipelines/vortex.yaml");
@@ -160,7 +160,7 @@ TEST_CASE("a chunk that fails once and a machine that dies lose nothing") {
     CHECK(job.differences().empty());
 }
 
-TEST_CASE("a task that comes near its time limit starts again") {
+TEST_CASE("a task that comes near its time limit starts again", "[nightly]") {
     if (!ready()) return;
     const SlurmCluster cluster;
     const Job job(cluster, "pipelines/vortex.yaml");
@@ -181,7 +181,7 @@ TEST_CASE("a task that comes near its time limit starts again") {
     CHECK(job.differences().empty());
 }
 
-TEST_CASE("a job that is cancelled goes on when it is submitted again") {
+TEST_CASE("a job that is cancelled goes on when it is submitted again", "[nightly]") {
     if (!ready()) return;
     const SlurmCluster cluster;
     const Job job(cluster, "pipelines/vortex.yaml");
@@ -206,7 +206,7 @@ TEST_CASE("a job that is cancelled goes on when it is submitted again") {
     CHECK(job.computed("energy") == 0);
 }
 
-TEST_CASE("a step that fails for good ends what waits for it, and status says why") {
+TEST_CASE("a step that fails for good ends what waits for it, and status says why", "[nightly]") {
     if (!ready()) return;
     const SlurmCluster cluster;
     const Job job(cluster, "pipelines/vortex.yaml");

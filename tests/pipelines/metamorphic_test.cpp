@@ -61,7 +61,8 @@ double total_energy(const std::string& report) {
 
 }  // namespace
 
-TEST_CASE("neither threads nor frames in flight nor memory changes a byte of a carve", "[long]") {
+TEST_CASE("neither threads nor frames in flight nor memory changes a byte of a carve",
+          "[nightly][long]") {
     for (const std::string arguments : {"-8", "-8 --warp", "6 --solver greedy"}) {
         INFO(arguments);
         const Scratch scratch;
@@ -76,7 +77,8 @@ TEST_CASE("neither threads nor frames in flight nor memory changes a byte of a c
     }
 }
 
-TEST_CASE("a grid that has nothing to do with a carve changes nothing but itself", "[long]") {
+TEST_CASE("a grid that has nothing to do with a carve changes nothing but itself",
+          "[nightly][long]") {
     const Scratch scratch;
     openvdb::initialize();
     const auto alone = carved(scratch, "alone", copied(scratch, "in", same_frame), "-8");
@@ -104,7 +106,7 @@ TEST_CASE("a grid that has nothing to do with a carve changes nothing but itself
 TEST_CASE(
     "exact seams of a sequence that stands still cost what static ones cost, and those of one that "
     "runs backwards what they cost forwards",
-    "[long]") {
+    "[nightly][long]") {
     const Scratch scratch;
     const auto cost = [&](const std::string& name, const std::string& input, bool is_static) {
         scratch.write(
@@ -135,7 +137,7 @@ TEST_CASE(
 
 TEST_CASE(
     "a part of the frames is what it is in all of them, and fewer seams are the first of more",
-    "[long]") {
+    "[nightly][long]") {
     const Scratch scratch;
     const auto input = copied(scratch, "in", same_frame);
     carved(scratch, "all", input, "-8");
@@ -148,7 +150,7 @@ TEST_CASE(
                         carved(scratch, "of_eight", input, "-8", "--set carved.count=4")) == "");
 }
 
-TEST_CASE("planes of a box leave as rows of the turned box do, bit for bit", "[long]") {
+TEST_CASE("planes of a box leave as rows of the turned box do, bit for bit", "[nightly][long]") {
     const Scratch scratch;
     const auto input = copied(scratch, "in", same_frame);
     const auto carve = [&](const std::string& name, const std::string& axes,

@@ -121,7 +121,7 @@ Mat4d turned(double degrees) {
 TEST_CASE(
     "a carve does not depend on how voxels are stored, nor on where, how large and how turned the "
     "world has them",
-    "[long]") {
+    "[nightly][long]") {
     const double voxel =
         density_in(SOURCE_ROOT "/tests/data/plume/plume.0051.vdb")->voxelSize().x();
     const std::map<std::string, Storage> copies{

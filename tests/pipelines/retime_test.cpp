@@ -89,7 +89,7 @@ TEST_CASE("frames that were left out are made again better than by blending", "[
 }
 
 TEST_CASE("retimed frames are the same bytes whatever the threads, the memory and the part of them",
-          "[long]") {
+          "[nightly][long]") {
     const Scratch scratch;
     retimed(scratch, "wanted", "51-53", "speed: 0.5", "--no-cache");
     retimed(scratch, "alone", "51-53", "speed: 0.5", "--no-cache --threads 1 --in-flight 1");

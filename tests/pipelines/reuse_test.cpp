@@ -166,7 +166,7 @@ TEST_CASE(
 TEST_CASE(
     "a run that is killed again and again ends like one that was not, and repeats nothing that was "
     "kept",
-    "[long]") {
+    "[nightly][long]") {
     Shot calm, killed;
     calm.run();
     std::mt19937 random(7);
@@ -197,7 +197,7 @@ TEST_CASE(
 }
 
 TEST_CASE("the parts of a run, killed at a hundred moments and begun again, give the same files",
-          "[long]") {
+          "[nightly][long]") {
     Shot whole, parts;
     whole.run();
     const std::vector<std::string> steps{"--to seams.energy -f 41-42", "--to seams.energy -f 43-44",
@@ -220,7 +220,7 @@ TEST_CASE("the parts of a run, killed at a hundred moments and begun again, give
 }
 
 TEST_CASE("parts of a run in processes of their own, and several at once, add up to one run",
-          "[long]") {
+          "[nightly][long]") {
     Shot whole, parts;
     whole.run();
     CHECK(parts.run("--to seams.energy -f 41-42") == Ran{{"edges", 4},
@@ -247,7 +247,7 @@ TEST_CASE("parts of a run in processes of their own, and several at once, add up
     CHECK(results(all_at_once.folder) == results(whole.folder));
 }
 
-TEST_CASE("damage anywhere in the work folder changes no result") {
+TEST_CASE("damage anywhere in the work folder changes no result", "[nightly]") {
     Shot shot;
     shot.run();
     const auto whole = results(shot.folder);

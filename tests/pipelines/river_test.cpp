@@ -303,7 +303,8 @@ void check_faces(const Carved& carved) {
 
 }  // namespace
 
-TEST_CASE("a river that is made wider: its bank, its particles and its texture come along") {
+TEST_CASE("a river that is made wider: its bank, its particles and its texture come along",
+          "[nightly]") {
     const Carved carved(6);
     check_stations(carved, 6);
     check_density(carved);

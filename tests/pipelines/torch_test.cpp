@@ -134,7 +134,7 @@ double widened(const CarvedTorch& carved) {
 
 TEST_CASE(
     "a flame that is made lower or higher along its path keeps its width, its sway and its foot",
-    "[long]") {
+    "[nightly][long]") {
     const auto height = [](const FloatGrid& flame) {
         return flame.evalActiveVoxelBoundingBox().max().z();
     };
@@ -172,7 +172,8 @@ TEST_CASE("a torch that is made narrower waves as before, with its foot on the h
     CHECK(wider > -10);
 }
 
-TEST_CASE("a torch that is made wider waves as before, with its foot on the handle", "[long]") {
+TEST_CASE("a torch that is made wider waves as before, with its foot on the handle",
+          "[nightly][long]") {
     const CarvedTorch carved(10);
     CHECK(carved.report["lattices"]["waves"]["folded_cells"] == 0);
     check_waving(carved);

@@ -150,7 +150,7 @@ TEST_CASE(
 TEST_CASE(
     "a trail that is made longer or shorter runs along its path, as thick as before, and its cloud "
     "on the ground stays bit for bit",
-    "[long]") {
+    "[nightly][long]") {
     const auto before = density_of(TEST_DATA "/trail/trail.0048.vdb");
     const auto top = [](const FloatGrid& grid) {
         return grid.indexToWorld(grid.evalActiveVoxelBoundingBox().max()).z();

@@ -28,7 +28,7 @@ fluidcarve::NodeType node() { return fluidcarve::Declare<Node>("toy.node", "A no
 }  // namespace
 
 TEST_CASE("a hook of the wrong signature does not compile, and the compiler says what it must be",
-          "[long]") {
+          "[nightly][long]") {
     CHECK(compiled("void resume(const fluidcarve::Payload&, const nlohmann::ordered_json&) {}") ==
           "");
     CHECK_THAT(compiled("void resume(int) {}"),

@@ -45,7 +45,7 @@ TEST_CASE("the node that nodes/README.md shows is the one that new-node writes")
 }
 
 TEST_CASE("what new-node writes builds against an installed fluidcarve, passes its test and runs",
-          "[long]") {
+          "[nightly][long]") {
     // A fixed place, so that the compiler's cache knows what was compiled there before.
     const fs::path root = NEW_NODE_FOLDER;
     fs::remove_all(root);

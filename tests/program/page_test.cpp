@@ -164,7 +164,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a browser shows the page wide and narrow, light and dark, without scrolling sideways",
-          "[browser]") {
+          "[nightly][browser]") {
     if (call_shell("command -v chromium").code != 0) {
         WARN("chromium is not installed: the page was not looked at");
         return;

@@ -21,7 +21,7 @@ std::size_t count_of(const std::string& text, const std::string& part) {
 TEST_CASE(
     "a wedge runs all combinations into folders of their own, and shows them on one sheet and one "
     "page",
-    "[long]") {
+    "[nightly][long]") {
     const Scratch scratch;
     const auto out = scratch / "w";
     const auto ran = fluidcarve_program(

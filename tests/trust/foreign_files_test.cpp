@@ -48,7 +48,7 @@ bool is_json(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("a pipe in the place of a file of ours is not waited for, and stays") {
+TEST_CASE("a pipe in the place of a file of ours is not waited for, and stays", "[nightly]") {
     const Shot shot;
     for (const std::string place :
          {"CACHEDIR.TAG", "history/p.json", "runs", "cache", "jobs/p/job.json",

@@ -42,7 +42,8 @@ CarveMap soft_map(const Lattice& lattice, Seams::Kind kind, double soft) {
 
 TEST_CASE(
     "OpenVDB's own checks of fogs and level sets pass after a carve as before it, soft or hard, on "
-    "the voxels or beside them") {
+    "the voxels or beside them",
+    "[nightly]") {
     const auto ball = openvdb::tools::createLevelSetSphere<FloatGrid>(20, Vec3d(0), 1);
     REQUIRE(openvdb::tools::checkFogVolume(*soft_fog()).empty());
     REQUIRE(openvdb::tools::checkLevelSet(*ball).empty());

@@ -177,7 +177,7 @@ Lattice ring_lattice() { return ring({1.3, 0.9, 0.2}, {9, 14, 36}, 0.1, {-0.4, 0
 
 }  // namespace
 
-TEST_CASE("the page carves a box as remap.grids does", "[browser]") {
+TEST_CASE("the page carves a box as remap.grids does", "[nightly][browser]") {
     if (!browser_is_there()) {
         WARN("chromium is not installed: the page was not looked at");
         return;
@@ -221,7 +221,7 @@ TEST_CASE("the page carves a box as remap.grids does", "[browser]") {
 }
 
 TEST_CASE("the page carves lattices that turn, and boxes between the voxels, as remap.grids does",
-          "[browser]") {
+          "[nightly][browser]") {
     if (!browser_is_there()) return;
     std::vector<Case> cases;
     const auto round = ring_lattice(),
@@ -264,7 +264,7 @@ TEST_CASE("the page carves lattices that turn, and boxes between the voxels, as 
     check(cases);
 }
 
-TEST_CASE("the page carves lattices around a rig as remap.grids does", "[browser]") {
+TEST_CASE("the page carves lattices around a rig as remap.grids does", "[nightly][browser]") {
     if (!browser_is_there()) return;
     std::vector<Case> cases;
     const auto tube =

@@ -142,7 +142,8 @@ TEST_CASE("a page takes a grid by its name or by its number among equal names, b
     CHECK(absent("'density[2]'").size() == 1);
 }
 
-TEST_CASE("the page needs no mouse, asks for no file, and says what to type", "[browser]") {
+TEST_CASE("the page needs no mouse, asks for no file, and says what to type",
+          "[nightly][browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;
     const auto seen = ask_browser(scratch, page_of(frame_of(16, 6)), R"js(
@@ -182,7 +183,7 @@ TEST_CASE("the page needs no mouse, asks for no file, and says what to type", "[
 TEST_CASE(
     "a volume is drawn, lit by WebGL2, and again after its context is lost, and without WebGL2 "
     "there are slices",
-    "[browser]") {
+    "[nightly][browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;
     const auto page = page_of(frame_of(16, 6));
@@ -222,7 +223,7 @@ TEST_CASE(
 }
 
 TEST_CASE("before there are seams, the page shows the lattice and tells of cells that fold",
-          "[browser]") {
+          "[nightly][browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;
     PageFrame frame = frame_of(16, 0);
@@ -268,7 +269,7 @@ TEST_CASE("a page that is too large shows fewer frames, with what these need") {
 
 TEST_CASE(
     "what lies outside the lattice, and seams at an edge of the window, are told at their places",
-    "[browser]") {
+    "[nightly][browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;
     PageFrame outside = frame_of(16, 0);

@@ -151,7 +151,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a rig.advect that moves waves with the flow, from the seed on, in rigs of one length",
-          "[long]") {
+          "[nightly][long]") {
     const Moving moving(
         "{seed: [0, 0, 0], radius: 0.3, count: 32, scale: 0.5, animate: true, length: 8, steady: "
         "0}",
@@ -180,7 +180,7 @@ TEST_CASE("a rig.advect that moves waves with the flow, from the seed on, in rig
 
 TEST_CASE(
     "a rig.advect that is steadied moves less than a step from frame to frame, and says nothing",
-    "[long]") {
+    "[nightly][long]") {
     const Moving moving(
         "{seed: [0, 0, 0], radius: 0.3, count: 32, scale: 0.5, animate: true, length: 8, steady: "
         "20}",

@@ -39,7 +39,7 @@ TEST_CASE("pages are joined: what they share is written once, and few frames kee
 
 TEST_CASE(
     "scenes stand side by side: controls are for all, the count for the one chosen or for all",
-    "[browser]") {
+    "[nightly][browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;
     const auto one = scratch.write("1.html", page_of(frame_of(16, 6))),
