@@ -210,6 +210,13 @@ ProgressStyle style_of(const std::string& progress, bool quiet) {
 
 }  // namespace
 
+void declare_work_folder(CLI::App& verb, std::string& folder, const std::string& doc) {
+    verb.add_option("--work", folder, doc)
+        ->capture_default_str()
+        ->type_name("DIR")
+        ->envname("FLUIDCARVE_WORK");
+}
+
 void PipelineArguments::declare(CLI::App& verb) {
     verb.add_option("pipeline", path,
                     "Pipeline file (YAML). Its relative inputs are looked for in the folder of the "
@@ -295,11 +302,9 @@ void RunArguments::declare_limits(CLI::App& verb) {
                     "that a grid may take (default: half of the machine's memory)")
         ->type_name("SIZE")
         ->envname("FLUIDCARVE_MEMORY");
-    verb.add_option("--work", request.options.work_folder,
-                    "Folder for temporary files, and for cached results that later runs use again")
-        ->capture_default_str()
-        ->type_name("DIR")
-        ->envname("FLUIDCARVE_WORK");
+    declare_work_folder(
+        verb, request.options.work_folder,
+        "Folder for temporary files, and for cached results that later runs use again");
     verb.add_flag("--no-cache", no_cache,
                   "Neither read nor write cached results in the work folder")
         ->envname("FLUIDCARVE_NO_CACHE");

@@ -18,6 +18,10 @@ class Option;
 
 namespace fluidcarve {
 
+/// Declares the option --work. @param doc  what the help says of it
+void declare_work_folder(CLI::App& verb, std::string& folder,
+                         const std::string& doc = "The work folder");
+
 /// Arguments of all verbs that take a pipeline.
 struct PipelineArguments {
     std::string path;

@@ -1,31 +1,26 @@
 #include "tools/verbs/verbs.h"
 
+#include "carve/base/failure.h"
 #include "carve/base/numbers.h"
 #include "carve/base/words.h"
-#include "runtime/jobs/job_status.h"
 #include "runtime/keep/work_folder.h"
 #include "runtime/run/run.h"
 #include "runtime/tell/exit_codes.h"
-#include "tools/verbs/verb.h"
+#include "tools/verbs/arguments.h"
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <chrono>
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace fluidcarve {
 
 namespace {
-
-void declare_folder(CLI::App& verb, std::string& folder) {
-    verb.add_option("--work", folder, "The work folder")
-        ->capture_default_str()
-        ->type_name("DIR")
-        ->envname("FLUIDCARVE_WORK");
-}
 
 /// An age such as 7d, 12h, 30m or 2w; nothing if a text is none.
 std::optional<std::chrono::seconds> age_of(std::string_view text) {
@@ -39,13 +34,6 @@ std::optional<std::chrono::seconds> age_of(std::string_view text) {
     const auto number = number_of<int>(text);
     if (!number || *number < 0 || *number > 100000) return std::nullopt;
     return *number * unit->second;
-}
-
-/// Says how far the runs in a work folder have come.
-int status(const std::string& folder, bool json) {
-    if (const auto fault = WorkFolder(folder).read_fault(); !fault.empty())
-        return end_with("failed: " + fault, exit_code::input);
-    return print(job_status_text(folder, json)), exit_code::done;
 }
 
 /// Arguments of the verb `clean`.
@@ -94,7 +82,7 @@ int clean(const CleanArguments& arguments) {
 
 Verb::Work clean_verb(CLI::App& verb, Program&) {
     const auto arguments = std::make_shared<CleanArguments>();
-    declare_folder(verb, arguments->folder);
+    declare_work_folder(verb, arguments->folder);
     verb.add_option("--shot", arguments->shot,
                     "Remove only what runs of this pipeline made: the name of its file, as in "
                     "sh010 for sh010.yaml. Results of up to 64 KB, which lie many to a file, stay")
@@ -104,14 +92,6 @@ Verb::Work clean_verb(CLI::App& verb, Program&) {
         ->type_name("AGE");
     verb.add_flag("--dry-run", arguments->dry_run, "Only say what would be removed");
     return [=] { return clean(*arguments); };
-}
-
-Verb::Work status_verb(CLI::App& verb, Program&) {
-    const auto folder = std::make_shared<std::string>(RunOptions().work_folder);
-    const auto json = std::make_shared<bool>(false);
-    declare_folder(verb, *folder);
-    verb.add_flag("--json", *json, "Print as JSON");
-    return [=] { return status(*folder, *json); };
 }
 
 }  // namespace fluidcarve
