@@ -8,6 +8,8 @@
 #include "nodes/params/file_sequence.h"
 #include "nodes/params/placement_params.h"
 
+#include <fmt/format.h>
+
 namespace fluidcarve {
 
 namespace {
@@ -51,7 +53,8 @@ NodeType mesh_read() {
                              "Reads polygon meshes: OBJ, PLY, OFF, STL, with UVs, normals, "
                              "colours, groups and materials.")
         .required("path", &Params::path,
-                  "A .obj, .ply, .off or .stl file, or a sequence with a frame token such as ####.")
+                  fmt::format("A {} file, or a sequence with a frame token such as ####.",
+                              either(all_mesh_endings())))
         .param("missing", &Params::missing, missing_doc)
         .param("translate", &Params::translate, Unit::world, any_number(),
                "Position of the file's origin in the shot's world; the writer undoes it. Meshes of "
@@ -99,6 +102,8 @@ struct MeshWrite {
 
 NodeType mesh_write() {
     using Params = MeshWrite::Params;
+    auto endings = all_mesh_endings();
+    endings.emplace_back(".usda");
     return Declare<MeshWrite>("mesh.write",
                               "Writes polygon meshes: OBJ, PLY, OFF, STL, USD. A file appears "
                               "whole or not at all.")
@@ -107,9 +112,11 @@ NodeType mesh_write() {
                "vertices that did not move, faces and their order, UVs, groups, materials. A "
                "warning names what another format can't hold.")
         .required("path", &Params::path,
-                  "A .obj, .ply, .off, .stl or .usda file; with a frame token such as #### if the "
-                  "source comes per frame. Missing folders are made. Meshes in .usda files are not "
-                  "subdivided; usd.write puts them beside volumes.")
+                  fmt::format(
+                      "A {} file; with a frame token such as #### if the source comes per "
+                      "frame. Missing folders are made. Meshes in .usda files are not subdivided; "
+                      "usd.write puts them beside volumes.",
+                      either(endings)))
         .param("translate", &Params::translate, Unit::world, any_number(),
                "The placement of a reader to undo. Auto: that of the mesh's reader; meshes made by "
                "nodes, and those in .usda files, stay in the shot's world.")

@@ -53,11 +53,18 @@ FileText text_of_mesh(const std::string& path, std::size_t most = FileText::all)
 
 }  // namespace
 
+std::vector<std::string> all_mesh_endings() {
+    std::vector<std::string> out;
+    for (const auto& format : formats) out.emplace_back(format.ending);
+    return out;
+}
+
 std::string ending_fault(const std::string& path) {
     const auto ending = ending_of(path);
     if (std::ranges::any_of(formats, [&](const Format& each) { return each.ending == ending; }))
         return {};
-    return fmt::format("{}: a mesh is a .obj, .ply, .off or .stl file, not '{}'", path, ending);
+    return fmt::format("{}: a mesh is a {} file, not '{}'", path, either(all_mesh_endings()),
+                       ending);
 }
 
 MeshFile read_mesh(const std::string& path) {

@@ -37,6 +37,9 @@ std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh,
                                     const Placement* placement = nullptr,
                                     const Provenance& provenance = {});
 
+/// The extensions of all mesh formats: ".obj", ".ply", ...
+std::vector<std::string> all_mesh_endings();
+
 /// Why a path's extension is not that of a mesh file; empty if it is.
 std::string ending_fault(const std::string& path);
 

@@ -159,13 +159,19 @@ std::vector<PartDifference> compare_geometry(const FilePair& files, const Tolera
         compare_positions("points", "points", positions(files.a), positions(files.b), tolerance)};
 }
 
+/// Of files of meshes, points and curves.
+std::vector<std::string> geometry_endings() {
+    auto out = all_mesh_endings();
+    out.emplace_back(".csv");
+    return out;
+}
+
 }  // namespace
 
 const std::vector<FileComparer>& comparers() {
-    static const std::vector<FileComparer> all{
-        {{".vdb"}, &compare_volumes, &draw_volumes},
-        {all_image_endings(), &compare_images, &draw_images},
-        {{".obj", ".ply", ".off", ".stl", ".csv"}, &compare_geometry, nullptr}};
+    static const std::vector<FileComparer> all{{{".vdb"}, &compare_volumes, &draw_volumes},
+                                               {all_image_endings(), &compare_images, &draw_images},
+                                               {geometry_endings(), &compare_geometry, nullptr}};
     return all;
 }
 

@@ -4,6 +4,7 @@
 #include "carve/base/frame_set.h"
 #include "carve/base/numbers.h"
 #include "carve/base/words.h"
+#include "formats/mesh_file/mesh_file.h"
 #include "graph/text/yaml_text.h"
 #include "graph/types/param.h"
 
@@ -300,13 +301,14 @@ void DraftText::read_protected() {
                               parse_number(std::string_view(each).substr(sign + 1)).has_value();
         if (!is_range) {
             const auto ending = ending_of(each);
-            const std::set<std::string> meshes{".obj", ".ply", ".off", ".stl"};
+            const auto meshes = all_mesh_endings();
+            const bool mesh = std::ranges::find(meshes, ending) != meshes.end();
             const bool picture = contents_.matter == Matter::image;
-            if (ending.empty() || meshes.contains(ending) == picture)
+            if (ending.empty() || mesh == picture)
                 throw Failure(fmt::format(
                     "--protect: '{}' is neither GRID=VALUE, such as density=0.7, nor {}", each,
                     picture ? "an image, white where no seam may pass"
-                            : "a closed mesh (.obj, .ply, .off, .stl)"));
+                            : fmt::format("a closed mesh ({})", fmt::join(meshes, ", "))));
             protected_.push_back({{}, each});
             continue;
         }

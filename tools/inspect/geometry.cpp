@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <utility>
 
 namespace fluidcarve {
 namespace {
@@ -110,7 +111,9 @@ std::string geometry_text(const Json& file) {
 }  // namespace
 
 FileInspector geometry_inspector() {
-    return {{".obj", ".ply", ".off", ".stl", ".csv"},
+    auto endings = all_mesh_endings();
+    endings.emplace_back(".csv");
+    return {std::move(endings),
             {".csv"},
             "attributes",
             &look_at_geometry,
