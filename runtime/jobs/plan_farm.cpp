@@ -168,7 +168,7 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
     if (!failures.empty()) return std::nullopt;
 
     const History history(request.options.work_folder, pipeline.name);
-    const auto steps = steps_of(pipeline, registry, prepared, history, request.options);
+    const auto steps = steps_of(pipeline, prepared, history, request.options);
     auto out = job_of(pipeline, steps, request, command);
     for (const auto& step : steps) {
         auto& made = out.steps.emplace_back(farm_step(step, steps, chunking));

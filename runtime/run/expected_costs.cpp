@@ -20,7 +20,8 @@ std::size_t items_to_find(const Node& node, const std::optional<GrownResult>& ke
 
 }  // namespace
 
-std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation& prepared,
+std::vector<NodeCost> expected_costs(const Pipeline& pipeline, std::uint64_t input_bytes,
+                                     const std::vector<std::optional<GrownResult>>& grown,
                                      const std::vector<NodeWork>& work, const History& history,
                                      const RunOptions& options) {
     std::vector<NodeCost> out(pipeline.nodes.size());
@@ -32,10 +33,10 @@ std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation
             if (!cost) return;
             CostSetting now;
             now.abreast = options.abreast(kind == Work::once ? std::nullopt : std::optional(times));
-            now.input_bytes = prepared.inputs().frame_bytes;
+            now.input_bytes = input_bytes;
             if (kind == Work::once) {
                 if (work[n].once) now.gathered = work[n].gathered();
-                now.items = items_to_find(node, prepared.grown(n), cost);
+                now.items = items_to_find(node, grown[n], cost);
             }
             cost = WorkTime{seconds_in(*cost, now), now};
         };
@@ -43,11 +44,10 @@ std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation
         adapt(Work::consume, work[n].consumed_inputs);
         adapt(Work::load, work[n].loads());
         adapt(Work::once, 1);
-        if (const auto then = out[n].bytes_of_input, bytes = prepared.inputs().frame_bytes;
-            then > 0 && bytes > 0)
-            out[n].bytes =
-                static_cast<std::uint64_t>(static_cast<double>(out[n].bytes) *
-                                           static_cast<double>(bytes) / static_cast<double>(then));
+        if (const auto then = out[n].bytes_of_input; then > 0 && input_bytes > 0)
+            out[n].bytes = static_cast<std::uint64_t>(static_cast<double>(out[n].bytes) *
+                                                      static_cast<double>(input_bytes) /
+                                                      static_cast<double>(then));
     }
     return out;
 }

@@ -1,19 +1,24 @@
 #pragma once
 
 #include "runtime/flow/options.h"
+#include "runtime/keep/grown_result.h"
 #include "runtime/keep/history.h"
 #include "runtime/plan/schedule.h"
-#include "runtime/run/preparation.h"
 #include "runtime/tell/costs.h"
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace fluidcarve {
 
 /// The costs of each node, as earlier runs measured them, converted to the setting of this run:
 /// its threads, bytes, frames and items to find.
+/// @param input_bytes  Inputs::frame_bytes of the run
+/// @param grown  per node: how much of its growing result is kept
 /// @param work  one per node
-std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation& prepared,
+std::vector<NodeCost> expected_costs(const Pipeline& pipeline, std::uint64_t input_bytes,
+                                     const std::vector<std::optional<GrownResult>>& grown,
                                      const std::vector<NodeWork>& work, const History& history,
                                      const RunOptions& options);
 

@@ -57,11 +57,11 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared,
     out.remembers = history.on();
     const auto why =
         reasons(pipeline, demands, history, prepared.dependencies(), [&](std::size_t n) {
-            return NodeNow{prepared.reads(n), prepared.grown(n)};
+            return NodeNow{prepared.reads(n), prepared.grown()[n]};
         });
     const auto work = work_of(schedule);
-    out.expected = expected_costs(pipeline, prepared, work, history, options);
     const auto input_bytes = prepared.inputs().frame_bytes;
+    out.expected = expected_costs(pipeline, input_bytes, prepared.grown(), work, history, options);
     for (std::size_t n = 0; n < demands.size(); ++n) {
         const auto& demand = demands[n];
         const auto& node = pipeline.nodes[n];

@@ -49,8 +49,8 @@ public:
     /// the run began. Empty: all contents are known.
     std::string fault_of_contents();
 
-    /// How much of a node's growing result is kept, when the run begins.
-    std::optional<GrownResult> grown(std::size_t node) const { return grown_[node]; }
+    /// Per node: how much of its growing result is kept, when the run begins.
+    const std::vector<std::optional<GrownResult>>& grown() const { return grown_; }
 
     Schedule schedule();
     /// For use after a cached result was missing or damaged: checks every byte of the entries it

@@ -167,9 +167,7 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     const auto forecast =
         make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
     auto as_json = to_json(forecast);
-    if (json)
-        as_json["steps"] =
-            to_json(steps_of(pipeline, registry, prepared, history, request.options));
+    if (json) as_json["steps"] = to_json(steps_of(pipeline, prepared, history, request.options));
     std::fputs(json ? (json_text(as_json, 2) + "\n").c_str() : to_text(forecast).c_str(), stdout);
     if (request.verbose && !json)
         std::fputs(("\n" + to_text(file_places(pipeline))).c_str(), stdout);

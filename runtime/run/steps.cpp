@@ -3,6 +3,7 @@
 #include "carve/base/frame_set.h"
 #include "runtime/run/expected_costs.h"
 #include "runtime/run/forecast.h"
+#include "runtime/run/inputs.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -69,13 +70,9 @@ std::vector<std::vector<std::size_t>> delivering_groups(const Pipeline& pipeline
 /// Simulates the steps of a run one after the other, with an initially empty work folder.
 class Rehearsal {
 public:
-    Rehearsal(const Pipeline& pipeline, const Registry& registry, const Preparation& prepared,
-              const History& history, const RunOptions& options)
-        : pipeline_(pipeline),
-          registry_(registry),
-          prepared_(prepared),
-          history_(history),
-          options_(options) {
+    Rehearsal(const Pipeline& pipeline, const Preparation& prepared, const History& history,
+              const RunOptions& options)
+        : pipeline_(pipeline), prepared_(prepared), history_(history), options_(options) {
         const std::vector<Maker> nobody(std::max<std::size_t>(1, prepared.frames().size()));
         results_.assign(pipeline.nodes.size(), nobody);
         digests_ = results_;
@@ -171,7 +168,7 @@ private:
         step.needs = without_implied(needed);
         all_needs_.push_back(closure(needed));
         step.target.only = make(schedule, plan, out_.size());
-        set_resources(step, work_of(schedule), indices.size());
+        set_resources(step, plan, work_of(schedule), indices.size());
         out_.push_back(std::move(step));
     }
 
@@ -230,17 +227,17 @@ private:
     }
 
     /// @param works  per node: in all frames of the step. @param all  how many these are
-    void set_resources(RunStep& step, std::vector<NodeWork> works, std::size_t all) const {
+    void set_resources(RunStep& step, const Plan& plan, std::vector<NodeWork> works,
+                       std::size_t all) const {
         // A step may read fewer grids than the whole run, and so has frames of another size.
-        RunRequest request{.options = options_, .target = step.target};
-        request.options.cache = false;
-        if (step.chunked) request.target.frames = FrameSet(step.frames);
+        const auto deliver = step.chunked ? std::optional(FrameSet(step.frames)) : std::nullopt;
         Report unused(pipeline_);
-        const Preparation own(pipeline_, registry_, request, unused);
-        const auto expected = expected_costs(pipeline_, own, works, history_, options_);
-        step.resources = [&pipeline = pipeline_, options = options_,
-                          input_bytes = own.inputs().frame_bytes, works = std::move(works),
-                          expected, all](std::size_t frames) {
+        const auto input_bytes = survey_inputs(pipeline_, plan, deliver, false, unused).frame_bytes;
+        const std::vector<std::optional<GrownResult>> grown(works.size());
+        const auto expected =
+            expected_costs(pipeline_, input_bytes, grown, works, history_, options_);
+        step.resources = [&pipeline = pipeline_, options = options_, input_bytes,
+                          works = std::move(works), expected, all](std::size_t frames) {
             RunResources out{.cores = options.threads};
             double seconds = 0;
             bool known = true;
@@ -263,7 +260,6 @@ private:
     }
 
     const Pipeline& pipeline_;
-    const Registry& registry_;
     const Preparation& prepared_;
     const History& history_;
     const RunOptions& options_;
@@ -274,10 +270,9 @@ private:
 
 }  // namespace
 
-std::vector<RunStep> steps_of(const Pipeline& pipeline, const Registry& registry,
-                              const Preparation& prepared, const History& history,
-                              const RunOptions& options) {
-    return Rehearsal(pipeline, registry, prepared, history, options).steps();
+std::vector<RunStep> steps_of(const Pipeline& pipeline, const Preparation& prepared,
+                              const History& history, const RunOptions& options) {
+    return Rehearsal(pipeline, prepared, history, options).steps();
 }
 
 nlohmann::ordered_json to_json(const std::vector<RunStep>& steps) {

@@ -33,9 +33,8 @@ struct RunStep {
 /// runs it, and then the steps that deliver. Nodes that deliver frames from one and the same
 /// computation share a step. So each kept result is computed once in all steps, whatever the work
 /// folder holds at present.
-std::vector<RunStep> steps_of(const Pipeline& pipeline, const Registry& registry,
-                              const Preparation& prepared, const History& history,
-                              const RunOptions& options);
+std::vector<RunStep> steps_of(const Pipeline& pipeline, const Preparation& prepared,
+                              const History& history, const RunOptions& options);
 
 /// The steps for programs, as `plan --json` prints them (pipelines/FORMATS.md).
 nlohmann::ordered_json to_json(const std::vector<RunStep>& steps);

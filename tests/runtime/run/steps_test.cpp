@@ -26,8 +26,8 @@ std::vector<std::string> steps_in(const std::string& nodes, const std::string& f
     options.work_folder = scratch / "work";
     Report report(pipeline);
     const Preparation prepared(pipeline, registry, {.options = options, .target = wanted}, report);
-    const auto steps = steps_of(pipeline, registry, prepared,
-                                History(options.work_folder, pipeline.name), options);
+    const auto steps =
+        steps_of(pipeline, prepared, History(options.work_folder, pipeline.name), options);
     std::vector<std::string> out;
     for (const auto& step : steps) {
         std::vector<std::string> needs;
