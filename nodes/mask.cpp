@@ -21,6 +21,7 @@
 #include "graph/types/node_type.h"
 #include "nodes/params/check_params.h"
 
+#include <fmt/format.h>
 #include <openvdb/tools/Count.h>
 #include <openvdb/tools/Morphology.h>
 

@@ -5,7 +5,10 @@
 #include "formats/usd/stage.h"
 #include "nodes/params/placement_params.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <optional>
 
 namespace fluidcarve {
 

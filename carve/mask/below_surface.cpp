@@ -6,8 +6,10 @@
 #include "carve/field/extent.h"
 #include "carve/field/same_transform.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>

@@ -3,6 +3,7 @@
 #include "carve/base/values.h"
 #include "carve/field/same_transform.h"
 
+#include <fmt/format.h>
 #include <openvdb/tools/Prune.h>
 
 #include <cstddef>

@@ -7,6 +7,7 @@
 #include "carve/mesh/made_once.h"
 #include "carve/sdf/from_mesh.h"
 
+#include <fmt/format.h>
 #include <openvdb/tools/LevelSetUtil.h>
 
 #include <algorithm>

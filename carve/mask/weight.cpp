@@ -2,6 +2,8 @@
 
 #include "carve/field/same_transform.h"
 
+#include <fmt/format.h>
+
 #include <cstddef>
 #include <memory>
 

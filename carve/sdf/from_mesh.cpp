@@ -6,6 +6,7 @@
 #include "carve/mesh/made_once.h"
 #include "carve/mesh/triangles.h"
 
+#include <fmt/format.h>
 #include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/Prune.h>
 

@@ -3,6 +3,7 @@
 #include "carve/base/failure.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <istream>

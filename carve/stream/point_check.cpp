@@ -1,5 +1,6 @@
 #include "carve/stream/point_check.h"
 
+#include <fmt/format.h>
 #include <openvdb/points/AttributeArray.h>
 #include <openvdb/points/AttributeGroup.h>
 #include <openvdb/points/PointDataGrid.h>

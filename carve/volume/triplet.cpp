@@ -3,6 +3,8 @@
 #include "carve/base/failure.h"
 #include "carve/volume/stored_form.h"
 
+#include <fmt/format.h>
+
 #include <cstddef>
 #include <memory>
 #include <utility>

@@ -14,6 +14,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 namespace fluidcarve {

@@ -9,6 +9,7 @@
 #include <bit>
 #include <cstring>
 #include <iterator>
+#include <optional>
 #include <unordered_map>
 
 namespace fluidcarve {

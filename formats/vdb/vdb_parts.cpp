@@ -1,5 +1,7 @@
 #include "formats/vdb/vdb_parts.h"
 
+#include <fmt/format.h>
+
 namespace fluidcarve {
 
 void check_own_metadata(const openvdb::GridBase& grid) {

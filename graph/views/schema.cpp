@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <map>
+#include <span>
 
 namespace fluidcarve {
 namespace {

@@ -1,6 +1,7 @@
 #include "nodes/expression/program_text.h"
 
 #include <algorithm>
+#include <optional>
 #include <string_view>
 
 namespace fluidcarve {

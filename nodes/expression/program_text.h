@@ -2,6 +2,7 @@
 
 #include "graph/types/param.h"
 
+#include <optional>
 #include <string>
 #include <variant>
 

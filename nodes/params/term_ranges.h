@@ -3,6 +3,7 @@
 #include "carve/volume/volume.h"
 #include "graph/types/param.h"
 
+#include <optional>
 #include <vector>
 
 namespace fluidcarve {

@@ -5,6 +5,7 @@
 #include <openvdb/tree/LeafManager.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 

@@ -1,5 +1,7 @@
 #include "runtime/flow/body_host.h"
 
+#include <optional>
+
 namespace fluidcarve {
 
 double BodyHost::seconds() const {

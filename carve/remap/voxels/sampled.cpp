@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <memory>
@@ -24,7 +25,6 @@
 #include <utility>
 
 namespace fluidcarve {
-
 namespace {
 
 using openvdb::Coord;

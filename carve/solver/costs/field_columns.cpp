@@ -3,6 +3,7 @@
 #include "carve/base/each_in_parallel.h"
 #include "carve/solver/costs/decode.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace fluidcarve {

@@ -6,6 +6,7 @@
 #include <openvdb_ax/ast/AST.h>
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>

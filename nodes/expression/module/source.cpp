@@ -2,6 +2,7 @@
 
 #include <openvdb_ax/ast/Parse.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 
