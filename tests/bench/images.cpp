@@ -81,7 +81,7 @@ EnergyVolume costs_of(const Picture& picture, bool forward) {
     EnergyVolume out(
         {{static_cast<int>(picture.width), static_cast<int>(picture.height), 1}, Axis::u, 1});
     if (forward) {
-        out.add_field(1);
+        out.set_step_prices({.edge = 1});
         std::vector<std::uint16_t> codes(picture.pixels.size());
         std::ranges::transform(picture.pixels, codes.begin(), encode_field);
         out.set_field(0, codes);

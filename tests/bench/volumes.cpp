@@ -33,11 +33,7 @@ constexpr std::size_t most_entries_cut = std::size_t{1} << 23;
 constexpr std::size_t most_entries_passed = std::size_t{1} << 26;
 
 EnergyVolume copy_of(const EnergyVolume& energy) {
-    EnergyVolume out({{energy.width(), energy.laterals(), energy.slices()},
-                      Axis::u,
-                      energy.frames(),
-                      energy.closed(),
-                      energy.around()});
+    EnergyVolume out(energy.shape());
     for (std::size_t t = 0; t < energy.frames(); ++t)
         std::copy_n(energy.codes(t), out.codes(t).size(), out.codes(t).begin());
     out.find_marks();

@@ -205,7 +205,9 @@ inline EnergyVolume volume_of(const ColumnGraph& graph, int width, const CostAt&
 /// @param value  called with a frame and a place, laid out as its energies
 template <class ValueAt>
 void add_field(EnergyVolume& energy, float weight, const ValueAt& value) {
-    energy.add_field(weight);
+    auto prices = energy.step_prices();
+    prices.edge = weight;
+    energy.set_step_prices(prices);
     for (std::size_t t = 0; t < energy.frames(); ++t) {
         std::vector<std::uint16_t> codes;
         for (std::size_t n = 0; n < energy.columns_per_frame() * energy.stride(); ++n)

@@ -13,29 +13,31 @@
 
 namespace fluidcarve {
 
+namespace {
+
 using ColumnRange = tbb::blocked_range<std::size_t>;
 
-EnergyVolume::EnergyVolume(const Shape& shape, std::vector<float> costs, const Limits& limits)
-    : width_(shape.lattice[dimension(shape.axis)]),
-      laterals_(shape.lattice[lateral_dimension(shape.axis)]),
-      slices_(shape.lattice[slice_dimension(shape.axis)]),
-      frames_(shape.frames),
-      stride_(static_cast<std::size_t>(width_)),
-      closed_(shape.closed),
-      around_(shape.around),
-      codes_(shape.frames, costs.empty() ? stride_ * columns_per_frame() : 0, limits),
+/// An attracted vertex is worth a way through this many vertices of the highest energy.
+constexpr float attraction_of_highest = 64;
+
+}  // namespace
+
+EnergyVolume::EnergyVolume(const Shape& shape, const Limits& limits, std::vector<float> costs)
+    : shape_{{shape.lattice[dimension(shape.axis)], shape.lattice[lateral_dimension(shape.axis)],
+              shape.lattice[slice_dimension(shape.axis)]},
+             Axis::u,
+             shape.frames,
+             shape.closed,
+             shape.around},
+      stride_(static_cast<std::size_t>(width())),
+      limits_(limits),
+      codes_(frames(), costs.empty() ? stride_ * columns_per_frame() : 0, limits),
       sums_(std::move(costs)),
-      protects_(std::ranges::any_of(sums_, [](float cost) { return std::isinf(cost); })) {}
+      marks_{.protect = std::ranges::any_of(sums_, [](float cost) { return std::isinf(cost); })} {}
 
-EnergyVolume::EnergyVolume(const Shape& shape, const Limits& limits)
-    : EnergyVolume(shape, {}, limits) {}
-
-EnergyVolume::EnergyVolume(const Shape& shape, std::vector<float> costs)
-    : EnergyVolume(shape, std::move(costs), {}) {}
-
-void EnergyVolume::add_field(float weight, const Limits& limits) {
-    weight_ = weight;
-    field_.emplace(frames_, columns_per_frame(), width_, limits);
+void EnergyVolume::set_field(std::size_t t, std::span<const std::uint16_t> codes) {
+    if (!field_) field_.emplace(frames(), columns_per_frame(), width(), limits_);
+    field_->set(t, codes);
 }
 
 std::vector<std::uint16_t> EnergyVolume::field_codes(std::size_t t) const {
@@ -85,7 +87,8 @@ void EnergyVolume::set_edges(std::size_t column, int first, int last) {
                 code >= protected_code
                     ? code
                     : encode_energy(std::min(
-                          energies[at] + weight_ * std::abs(field[at + 2] - field[at]), highest));
+                          energies[at] + step_prices_.edge * std::abs(field[at + 2] - field[at]),
+                          highest));
         }
     }
 }
@@ -95,7 +98,7 @@ void EnergyVolume::count_edges(const Limits& limits) {
     each_in_parallel(columns_per_frame() * frames(), 4096, [&](std::size_t c) {
         const auto& run = field(c);
         std::copy_n(codes_of(c) + run.first, run.end - run.first, run.energies);
-        set_edges(c, 0, width_ - 1);
+        set_edges(c, 0, width() - 1);
     });
 }
 
@@ -110,7 +113,7 @@ void EnergyVolume::find_marks() {
             for (auto c = range.begin(); c < range.end(); ++c) {
                 const auto* const codes =
                     this->codes(c / columns_per_frame()).data() + c % columns_per_frame() * stride_;
-                for (int entry = 0; entry < width_; ++entry) {
+                for (int entry = 0; entry < width(); ++entry) {
                     const auto code = codes[entry];
                     if (code < protected_code) out.highest = std::max(out.highest, code);
                     else ++(code == protected_code ? out.guarded : out.attracted);
@@ -122,9 +125,9 @@ void EnergyVolume::find_marks() {
             return Found{a.guarded + b.guarded, a.attracted + b.attracted,
                          std::max(a.highest, b.highest)};
         });
-    protects_ = found.guarded > 0;
-    attracted_ = found.attracted;
-    attraction_ = attraction_of_highest * (found.highest > 0 ? decode_energy(found.highest) : 1.0f);
+    const float attraction =
+        attraction_of_highest * (found.highest > 0 ? decode_energy(found.highest) : 1.0f);
+    marks_ = {found.guarded > 0, found.attracted, attraction, attraction};
 }
 
 EnergyVolume EnergyVolume::sum() const {
@@ -142,22 +145,22 @@ EnergyVolume EnergyVolume::sum() const {
             const auto at = range.begin() + n;
             if (!energies.empty()) {
                 energies[at] = static_cast<float>(part[n]);
-                part[n] -= static_cast<double>(attracted[n]) * static_cast<double>(attraction_);
+                part[n] -=
+                    static_cast<double>(attracted[n]) * static_cast<double>(marks_.attraction);
             }
             sums[at] = static_cast<float>(part[n]);
         }
     });
-    EnergyVolume out(
-        {{static_cast<int>(stride_), laterals_, slices_}, Axis::u, 1, closed_, around_},
-        std::move(sums));
-    out.width_ = width_;
+    const auto summed = static_cast<float>(frames());
+    auto shape = shape_;
+    shape.frames = 1;
+    EnergyVolume out(shape, {}, std::move(sums));
+    out.stride_ = stride_;
     out.energies_ = std::move(energies);
-    out.frames_summed_ = frames();
-    out.protects_ = protects_;
-    out.attracted_ = attracted_;
-    out.attraction_ = attraction_;
+    out.marks_ = marks_;
+    out.marks_.barrier *= summed;
     out.spread_ = spread_;
-    out.rigidity_ = {rigidity_[0] * static_cast<float>(frames()), 0};
+    out.step_prices_.rigidity = {step_prices_.rigidity[0] * summed, 0};
     return out;
 }
 
@@ -171,7 +174,7 @@ void EnergyVolume::hand_on(std::size_t column, int entry, Window window) {
         int receivers = -1;
         for (int e = low; e <= high; ++e) receivers += unmarked(e) ? 1 : 0;
         if (receivers <= 0) return;
-        const float all = hands_on_edges_ && edges_counted()
+        const float all = spreads_edges_ && edges_counted()
                               ? decode_energy(codes_of(column)[entry]) - energy_at(entry)
                               : energy_at(entry);
         const float part = all / static_cast<float>(receivers);
@@ -209,32 +212,33 @@ void EnergyVolume::hand_on(std::size_t column, int entry, Window window) {
 }
 
 void EnergyVolume::remove(std::span<const std::uint16_t> at, Window window) {
-    if (attracts()) attracted_ -= met(at).attracted;
+    if (attracts()) marks_.attracted -= met(at).attracted;
     const auto columns = columns_per_frame();
-    --width_;
+    const int left = --shape_.lattice[0];
     const auto close = [&](auto* column, std::size_t entry) {
         std::memmove(column + entry, column + entry + 1,
-                     (static_cast<std::size_t>(width_) - entry) * sizeof(*column));
+                     (static_cast<std::size_t>(left) - entry) * sizeof(*column));
     };
     each_in_parallel(columns * frames(), 4096, [&](std::size_t c) {
         if (spread_ > 0) hand_on(c, at[c], window);
         if (summed()) close(sums_.data() + c * stride_, at[c]);
         else close(codes_of(c), at[c]);
         if (!energies_.empty()) close(energies_.data() + c * stride_, at[c]);
-        if (field_) field_->runs()[c].remove(at[c], width_, codes_of(c));
+        if (field_) field_->runs()[c].remove(at[c], left, codes_of(c));
         // Update the entries that got energy or a new neighbour.
         if (edges_counted())
-            set_edges(c, std::max(at[c] - 1 - spread_, 0), std::min(at[c] + spread_, width_ - 1));
+            set_edges(c, std::max(at[c] - 1 - spread_, 0), std::min(at[c] + spread_, left - 1));
     });
-}
-
-std::size_t EnergyVolume::attracted_at(std::size_t place) const {
-    if (energies_.empty() || !std::isfinite(sums_[place])) return 0;
-    return static_cast<std::size_t>(std::lround((energies_[place] - sums_[place]) / attraction_));
 }
 
 EnergyVolume::Met EnergyVolume::met(std::span<const std::uint16_t> at) const {
     const auto columns = columns_per_frame();
+    // Number of summed frames that attract at an entry.
+    const auto attracted_at = [&](std::size_t place) -> std::size_t {
+        if (energies_.empty() || !std::isfinite(sums_[place])) return 0;
+        return static_cast<std::size_t>(
+            std::lround((energies_[place] - sums_[place]) / marks_.attraction));
+    };
     return tbb::parallel_reduce(
         ColumnRange(0, columns * frames(), 4096), Met{},
         [&](const ColumnRange& range, Met out) {

@@ -37,9 +37,6 @@ struct EntryCosts {
 /// steps between columns, and for the edges that their removal makes in a field.
 class EnergyVolume {
 public:
-    /// An attracted vertex is worth a way through this many vertices of the highest energy.
-    static constexpr float attraction_of_highest = 64;
-
     struct Shape {
         std::array<int, 3> lattice;  ///< vertices along u, v and w
         Axis axis;                   ///< of the columns
@@ -47,72 +44,63 @@ public:
         bool closed = false;  ///< column k = K-1 is a neighbour of k = 0
         bool around = false;  ///< the last lateral column is a neighbour of the first
     };
-    /// A volume whose energies are all 0.
-    /// @param limits  of the energies
+    /// @param limits  of the energies, and again of the field
+    /// @param costs   32-bit costs instead of codes, laid out as these, frame after frame; infinite
+    ///   ones are protected. Empty: codes, all 0
     /// @throws Failure as FrameStore
-    explicit EnergyVolume(const Shape& shape, const Limits& limits = {});
-    /// A volume of 32-bit costs instead of codes.
-    /// @param costs  laid out as codes, frame after frame; infinite ones are protected
-    EnergyVolume(const Shape& shape, std::vector<float> costs);
+    explicit EnergyVolume(const Shape& shape, const Limits& limits = {},
+                          std::vector<float> costs = {});
+    /// The shape with columns along u: another volume of it has columns of width(), neighbours of
+    /// each other as these.
+    const Shape& shape() const { return shape_; }
 
-    /// Sets the cost of any step, in space and in time.
-    void set_rigidity(const std::array<float, 2>& rigidity) { rigidity_ = rigidity; }
-    const std::array<float, 2>& rigidity() const { return rigidity_; }
+    /// Sets what steps and edges cost; before count_edges().
+    void set_step_prices(const StepPrices& prices) { step_prices_ = prices; }
+    const StepPrices& step_prices() const { return step_prices_; }
+    /// The costs of steps; points into the volume.
+    StepCosts steps() const { return {step_prices_, field_ ? field_->runs().data() : nullptr}; }
+
     /// Declares the entries to be prices of slabs of the volume `of` (SlabPrices), which must
     /// outlive this.
     void set_slabs(const EnergyVolume& of) { slabs_of_ = &of; }
     bool slabs() const { return slabs_of_ != nullptr; }
     /// The volume whose slabs are priced; else this one.
     const EnergyVolume& seen() const { return slabs_of_ ? *slabs_of_ : *this; }
-    /// Sets how many entries on each side share the energy of an entry that remove() deletes; 0:
-    /// none.
-    void set_spread(int entries) { spread_ = entries; }
-    /// Makes remove() hand on the edge cost of a deleted entry, if edges are counted, in place of
-    /// its energy.
-    void hand_on_edges() { hands_on_edges_ = true; }
+
+    /// Sets how many entries on each side share the energy of an entry that remove() deletes.
+    /// @param entries  0: none
+    /// @param edges    they share its edge cost, if edges are counted, in place of its energy
+    void set_spread(int entries, bool edges = false) {
+        spread_ = entries;
+        spreads_edges_ = edges;
+    }
     int spread() const { return spread_; }
-    /// Frees steps of rigidity where the field is 0.
-    void step_freely_in_nothing() { free_in_nothing_ = true; }
-    bool steps_freely_in_nothing() const { return free_in_nothing_; }
-    /// Adds a field, all 0. New edges in it cost something.
-    /// @param weight  cost per unit by which the field changes across an edge
-    /// @param limits  of the field
-    void add_field(float weight, const Limits& limits = {});
-    /// Sets the field of frames, from `t` on.
+
+    /// Sets the field of frames, from `t` on. The field of the others is 0 until it is set.
     /// @param codes  field codes, frame after frame, each laid out as its energies
     /// @throws Failure as FrameStore
-    void set_field(std::size_t t, std::span<const std::uint16_t> codes) { field_->set(t, codes); }
+    void set_field(std::size_t t, std::span<const std::uint16_t> codes);
     /// The field of a column. @param column  as in Seams::Seam::at
     const FieldRun& field(std::size_t column) const { return field_->runs()[column]; }
     /// The field codes of a frame, laid out as its energies.
     std::vector<std::uint16_t> field_codes(std::size_t t) const;
     bool has_field() const { return field_.has_value(); }
-    float field_weight() const { return weight_; }
-    void set_field_weight(float weight) { weight_ = weight; }
-    /// Adds the cost of edges. Call it once energies and field are set. From then on an entry costs
-    /// its energy plus the edge that its removal makes between the entries on either side; for a
-    /// column's first and last entry, the edge between itself and the next.
+    /// Adds the cost of edges in the field to the energies; once, when both are set. From then on
+    /// an entry costs its energy plus the edge that its removal makes between the entries on either
+    /// side; for a column's first and last entry, the edge between itself and the next.
     /// @param limits  of the energies without edges
     /// @throws Failure as FrameStore
     void count_edges(const Limits& limits = {});
-    /// The costs of steps; points into the volume.
-    StepCosts steps() const {
-        const auto price = [&](float rigidity) {
-            return StepPrice{rigidity, field_ && free_in_nothing_ ? 0 : rigidity, weight_};
-        };
-        return {{price(rigidity_[0]), price(rigidity_[1])},
-                field_ ? field_->runs().data() : nullptr};
-    }
 
     /// Counts the protected and attracted vertices. Until then protects() and attracts() are
     /// false.
     void find_marks();
-    bool protects() const { return protects_; }
-    std::size_t attracted() const { return attracted_; }  ///< attracted vertices left
-    bool attracts() const { return attracted_ > 0; }
-    EntryCosts costs() const { return {attraction_}; }
+    bool protects() const { return marks_.protect; }
+    std::size_t attracted() const { return marks_.attracted; }  ///< attracted vertices left
+    bool attracts() const { return marks_.attracted > 0; }
+    EntryCosts costs() const { return {marks_.attraction}; }
     /// A finite cost that stands for a protected vertex where it must be weighed against others.
-    float barrier() const { return attraction_ * static_cast<float>(frames_summed_); }
+    float barrier() const { return marks_.barrier; }
 
     /// The costs for a seam that is the same in all frames: one frame of costs, summed over the
     /// frames, as 32-bit floats instead of codes.
@@ -120,18 +108,19 @@ public:
     /// Whether entries are 32-bit costs instead of codes.
     bool summed() const { return !sums_.empty(); }
 
-    int width() const { return width_; }  ///< entries per column; one less after each deletion
-    int laterals() const { return laterals_; }
-    int slices() const { return slices_; }  ///< columns per frame are laterals * slices
+    /// Entries per column; one less after each deletion.
+    int width() const { return shape_.lattice[0]; }
+    int laterals() const { return shape_.lattice[1]; }
+    int slices() const { return shape_.lattice[2]; }  ///< columns per frame are laterals * slices
     std::size_t columns_per_frame() const {
-        return static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_);
+        return static_cast<std::size_t>(laterals()) * static_cast<std::size_t>(slices());
     }
-    std::size_t frames() const { return frames_; }
+    std::size_t frames() const { return shape_.frames; }
     std::size_t stride() const { return stride_; }  ///< entries from a column to the next
     /// Bytes of energies and field, in memory or in files.
     std::uint64_t bytes() const;
-    bool closed() const { return closed_; }
-    bool around() const { return around_; }
+    bool closed() const { return shape_.closed; }
+    bool around() const { return shape_.around; }
 
     std::span<std::uint16_t> codes(std::size_t t) { return codes_.entries(t); }
     const std::uint16_t* codes(std::size_t t) const { return codes_.entries(t).data(); }
@@ -152,7 +141,7 @@ public:
     /// @param window  the window in which seams are found now
     void remove(std::span<const std::uint16_t> at, Window window);
     /// The same with the whole axis as window.
-    void remove(std::span<const std::uint16_t> at) { remove(at, {0, width_ - 1}); }
+    void remove(std::span<const std::uint16_t> at) { remove(at, {0, width() - 1}); }
 
     /// Counts of what a seam meets. In a sum, a marked vertex counts once for each frame that marks
     /// it.
@@ -165,11 +154,14 @@ public:
     Met met(std::span<const std::uint16_t> at) const;
 
 private:
-    /// Holds codes if there are no costs.
-    EnergyVolume(const Shape& shape, std::vector<float> costs, const Limits& limits);
+    /// What is known of marked vertices.
+    struct KnownMarks {
+        bool protect = false;       ///< whether some are protected
+        std::size_t attracted = 0;  ///< number of attracted ones left
+        float attraction = 0;       ///< EntryCosts::attraction
+        float barrier = 0;          ///< attraction in all frames that a vertex stands for
+    };
 
-    /// Number of summed frames that attract at an entry.
-    std::size_t attracted_at(std::size_t place) const;
     /// Adds the energy of an entry to its neighbours.
     /// @param column  as in Seams::Seam::at
     void hand_on(std::size_t column, int entry, Window window);
@@ -183,21 +175,18 @@ private:
         return codes_.entries(0).data() + column * stride_;
     }
 
-    int width_, laterals_, slices_, spread_ = 0;
-    std::size_t frames_, stride_;
-    bool closed_, around_, hands_on_edges_ = false;
-    bool free_in_nothing_ = false;
+    Shape shape_;
+    std::size_t stride_;
+    Limits limits_;
     FrameStore codes_;
     std::vector<float> sums_;
     std::vector<float> energies_;  ///< sums_ without attraction; only if vertices are attracted
-    std::size_t frames_summed_ = 1;
-    const EnergyVolume* slabs_of_ = nullptr;
-    bool protects_ = false;
-    std::size_t attracted_ = 0;
-    float attraction_ = 0;
-    std::array<float, 2> rigidity_{};
+    KnownMarks marks_;
+    StepPrices step_prices_;
     std::optional<FieldColumns> field_;  ///< with the energies before count_edges()
-    float weight_ = 0;
+    int spread_ = 0;
+    bool spreads_edges_ = false;
+    const EnergyVolume* slabs_of_ = nullptr;
 };
 
 /// Calls `call` with a function that returns the cost at (column, entry), columns as in

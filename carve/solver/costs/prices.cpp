@@ -75,11 +75,14 @@ Typical Typical::of(const EnergyVolume& energy) {
     return out;
 }
 
-void set_prices(EnergyVolume& energy, const Typical& typical, const Prices& prices) {
+void add_prices(EnergyVolume& energy, const Typical& typical, const Prices& prices,
+                const Limits& limits) {
     const auto unit = static_cast<float>(typical.energy);
-    energy.set_rigidity({unit * prices.rigidity[0], unit * prices.rigidity[1]});
+    energy.set_step_prices(
+        {.rigidity = {unit * prices.rigidity[0], unit * prices.rigidity[1]},
+         .free_in_nothing = prices.free_in_nothing,
+         .edge = static_cast<float>(prices.edges * typical.energy / typical.edge)});
     if (!energy.has_field()) return;
-    energy.set_field_weight(static_cast<float>(prices.edges * typical.energy / typical.edge));
     const float most = decode_energy(highest_energy_code),
                 empty = unit * prices.empty * (2 + prices.edges);
     each_in_parallel(energy.frames() * energy.columns_per_frame(), 256, [&](std::size_t c) {
@@ -92,6 +95,7 @@ void set_prices(EnergyVolume& energy, const Typical& typical, const Prices& pric
                 std::min(decode_energy(codes[entry]) + (content ? unit : empty), most));
         }
     });
+    energy.count_edges(limits);
 }
 
 }  // namespace fluidcarve

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/base/limits.h"
 #include "carve/field/shown_part.h"
 #include "carve/solver/costs/energy_volume.h"
 
@@ -28,11 +29,15 @@ struct Prices {
     /// For a vertex without content, as a share of the mean price of vertices with content.
     float empty = 1;
     std::array<float, 2> rigidity{};  ///< for a step, in space and in time
+    bool free_in_nothing = false;     ///< as in StepPrices
 };
 
-/// Sets what seams pay. With a field, each vertex with content costs a typical energy more, so that
+/// Adds what seams pay to a volume of sampled energies; its edges are counted. With a field, each vertex with content costs a typical energy more, so that
 /// seams also spread where there is no energy. A vertex without content costs so much more that its
 /// price becomes Prices::empty.
-void set_prices(EnergyVolume& energy, const Typical& typical, const Prices& prices);
+/// @param limits  as for EnergyVolume::count_edges()
+/// @throws Failure as FrameStore
+void add_prices(EnergyVolume& energy, const Typical& typical, const Prices& prices,
+                const Limits& limits);
 
 }  // namespace fluidcarve

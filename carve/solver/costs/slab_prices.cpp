@@ -285,12 +285,9 @@ void SlabPrices::set_empty(EnergyVolume& prices, const EnergyVolume& volume, int
 EnergyVolume SlabPrices::priced(const EnergyVolume& volume, int thickness, float empty,
                                 std::span<const Taken> all_taken, const Limits& limits) const {
     const int slabs = volume.width() - thickness + 1;
-    EnergyVolume out({{slabs, volume.laterals(), volume.slices()},
-                      Axis::u,
-                      volume.frames(),
-                      volume.closed(),
-                      volume.around()},
-                     limits);
+    auto shape = volume.shape();
+    shape.lattice[0] = slabs;
+    EnergyVolume out(shape, limits);
     // The frame, and its neighbours before and behind.
     std::array<std::vector<float>, 3> frames{frame(volume, thickness, 0), {}, {}};
     frames[1] = frames[0];
@@ -313,7 +310,7 @@ EnergyVolume SlabPrices::priced(const EnergyVolume& volume, int thickness, float
     set_empty(out, volume, thickness, empty, all_taken);
     out.set_slabs(volume);
     const auto step = static_cast<float>(unit());
-    out.set_rigidity({step * weights_.rigidity[0], step * weights_.rigidity[1]});
+    out.set_step_prices({.rigidity = {step * weights_.rigidity[0], step * weights_.rigidity[1]}});
     if (volume.attracts() || volume.protects()) out.find_marks();
     return out;
 }

@@ -28,6 +28,13 @@ struct StepPrice {
     }
 };
 
+/// Prices of the steps and edges of a volume.
+struct StepPrices {
+    std::array<float, 2> rigidity{};  ///< cost of any step, in space and in time
+    bool free_in_nothing = false;     ///< steps between entries where the field is 0 are free of it
+    float edge = 0;  ///< cost per unit by which the field changes across a new edge
+};
+
 /// What steps cost: nothing, a constant, or a price that depends on the field.
 enum class Stepping { free, rigid, field };
 
@@ -39,12 +46,13 @@ class StepCosts {
 public:
     /// Steps are free.
     StepCosts() = default;
-    /// @param prices  in space and in time
-    /// @param field   of the columns; null: no field
-    StepCosts(const std::array<StepPrice, 2>& prices, const FieldRun* field)
-        : any_(field || prices[0].rigidity > 0 || prices[1].rigidity > 0),
-          prices_(prices),
-          field_(field) {}
+    /// @param field  of the columns; null: no field
+    StepCosts(const StepPrices& prices, const FieldRun* field)
+        : any_(field || prices.rigidity[0] > 0 || prices.rigidity[1] > 0), field_(field) {
+        for (std::size_t n = 0; n < prices_.size(); ++n)
+            prices_[n] = {prices.rigidity[n],
+                          field && prices.free_in_nothing ? 0 : prices.rigidity[n], prices.edge};
+    }
 
     explicit operator bool() const { return any_; }
 
@@ -85,7 +93,11 @@ public:
     /// The field of a column; null: no field.
     const FieldRun* field(std::size_t column) const { return field_ ? field_ + column : nullptr; }
     /// The same costs, with column indices counted from `column`.
-    StepCosts from(std::size_t column) const { return {prices_, field(column)}; }
+    StepCosts from(std::size_t column) const {
+        auto out = *this;
+        out.field_ = field(column);
+        return out;
+    }
 
 private:
     bool any_ = false;

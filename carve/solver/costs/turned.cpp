@@ -45,20 +45,16 @@ void turn(const EnergyVolume& from, std::uint64_t budget, const Read& read, cons
 }  // namespace
 
 EnergyVolume turned(const EnergyVolume& from, const Limits& limits) {
-    EnergyVolume out({{static_cast<int>(from.frames()), from.laterals(), from.slices()},
-                      Axis::u,
-                      static_cast<std::size_t>(from.width()),
-                      from.closed(),
-                      from.around()},
-                     limits);
-    out.set_spread(from.spread());
+    auto shape = from.shape();
+    shape.lattice[0] = static_cast<int>(from.frames());
+    shape.frames = static_cast<std::size_t>(from.width());
+    EnergyVolume out(shape, limits);
     turn(
         from, limits.memory / 4, [&](std::size_t t) { return from.codes(t); },
         [&](std::size_t layer, std::span<const std::uint16_t> codes) {
             std::ranges::copy(codes, out.codes(layer).begin());
         });
     if (!from.has_field()) return out;
-    out.add_field(0, limits);
     turn(
         from, limits.memory / 4, [&](std::size_t t) { return from.field_codes(t); },
         [&](std::size_t layer, std::span<const std::uint16_t> codes) {

@@ -86,12 +86,10 @@ void restrict_row(const EnergyVolume& energy, Window window, float barrier, cons
 /// Columns whose field is restricted at once.
 constexpr std::size_t columns_at_once = std::size_t{1} << 16;
 
-/// Restricts a field: each entry gets the mean of what it stands for. New edges there are twice as
-/// long, so they count half.
+/// Restricts a field: each entry gets the mean of what it stands for.
 void restrict_field(const EnergyVolume& energy, Window window, const Columns& coarse,
                     EnergyVolume& out) {
     const Columns fine(energy);
-    out.add_field(energy.field_weight() / 2);
     // A few frames at once: their coarse field is never held as a whole.
     const auto at_once =
         std::min(std::max(columns_at_once / coarse.per_frame(), std::size_t{1}), coarse.frames());
@@ -148,7 +146,7 @@ EnergyVolume restricted(const EnergyVolume& energy, Window window, float barrier
         for_rows([&](std::size_t row, const std::vector<float>& of_row) {
             std::ranges::copy(of_row, costs.begin() + static_cast<std::ptrdiff_t>(row * row_size));
         });
-        return {out_shape, std::move(costs)};
+        return EnergyVolume(out_shape, {}, std::move(costs));
     }
     EnergyVolume out(out_shape);
     const auto most = decode_energy(highest_energy_code);
@@ -186,8 +184,9 @@ EnergyVolume restrict_energy(const EnergyVolume& energy, Window window, float ba
                                  : restricted<Cell, false>(energy, window, barrier);
     };
     auto out = energy.summed() ? in(float{}) : in(std::uint16_t{});
-    out.set_rigidity(energy.rigidity());
-    if (energy.steps_freely_in_nothing()) out.step_freely_in_nothing();
+    auto prices = energy.step_prices();
+    prices.edge /= 2;  // coarse edges are twice as long
+    out.set_step_prices(prices);
     if (energy.has_field()) restrict_field(energy, window, Columns(out), out);
     return out;
 }

@@ -42,7 +42,8 @@ Prices prices_of(const SolverParams& params, bool forward) {
     const float rigid = !forward                 ? 0.0f
                         : params.axis == Axis::t ? rigidity_of_frames
                                                  : default_rigidity;
-    return {params.field_weight, params.empty.value_or(thin_empty), rigidity_of(params, rigid)};
+    return {params.field_weight, params.empty.value_or(thin_empty), rigidity_of(params, rigid),
+            params.axis == Axis::t};
 }
 
 /// Joins the MissedRange of earlier frames with that of another frame. If the mask is not empty
@@ -112,11 +113,11 @@ void GatheredEnergy::gather(const FrameEnergy& frame, std::size_t place) {
     begun_[place] = true;
     if (first) {
         std::ranges::copy(frame.energy, energy_->codes(place).begin());
-        if (energy_->has_field()) energy_->set_field(place, frame.field);
+        if (has_field_) energy_->set_field(place, frame.field);
         return;
     }
     average_energy(frame.energy, energy_->codes(place));
-    if (!energy_->has_field()) return;
+    if (!has_field_) return;
     auto field = energy_->field_codes(place);
     average_field(frame.field, field);
     energy_->set_field(place, field);
@@ -157,15 +158,11 @@ std::vector<std::string> GatheredEnergy::warnings() const {
 EnergyVolume GatheredEnergy::room(const std::array<int, 3>& shape, std::size_t frames,
                                   const SolverParams& params, const Limits& limits,
                                   std::uint64_t budget) const {
-    EnergyVolume out(
+    return EnergyVolume(
         {gathered_shape(shape, finest_), sampled_axis(params.axis),
          finest_ == 2 ? halved(frames) : frames,
          lattices_.front()->closed && params.axis != Axis::w, lattices_.front()->around},
         {budget, limits.folder});
-    const int spread = params.spread.value_or(has_field_ ? 3 : 0);
-    out.set_spread(finest_ == 2 ? halved(spread) : spread);
-    if (has_field_) out.add_field(0, {budget, limits.folder});
-    return out;
 }
 
 GatheredEnergy::SampledEnergy GatheredEnergy::uncarved() {
@@ -217,8 +214,6 @@ GatheredEnergy::SampledEnergy GatheredEnergy::take_sampled(const SolverParams& p
     energy_.reset();
     if (params.axis != Axis::t) return out;
     auto in_time = turned(out.energy, {left_beside(out.energy, limits), limits.folder});
-    in_time.hand_on_edges();
-    in_time.step_freely_in_nothing();
     const auto typical = Typical::of(in_time);
     return {std::move(in_time), typical};
 }
@@ -254,10 +249,11 @@ GatheredEnergy::PricedEnergy GatheredEnergy::take_priced(const SolverParams& par
     out.thick = thick_for(params, out.energy);
     if (out.thick) {
         out.thickness = out.thick->thickness * finest_;
-        out.energy.set_spread(0);
     } else {
-        set_prices(out.energy, sampled.typical, prices_of(params, has_field_));
-        if (out.energy.has_field()) out.energy.count_edges({budget(limits), limits.folder});
+        const int spread = params.spread.value_or(has_field_ ? 3 : 0);
+        out.energy.set_spread(finest_ == 2 ? halved(spread) : spread, params.axis == Axis::t);
+        add_prices(out.energy, sampled.typical, prices_of(params, has_field_),
+                   {budget(limits), limits.folder});
     }
     if (marks_.protect || marks_.attract) out.energy.find_marks();
     return out;

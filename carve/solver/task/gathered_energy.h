@@ -82,7 +82,7 @@ public:
 private:
     /// The thickness of seams in entries of an energy; nothing if they are thin.
     std::optional<Thick> thick_for(const SolverParams& params, const EnergyVolume& energy) const;
-    /// A volume whose energies, and field if there is one, are all 0.
+    /// A volume whose energies are all 0.
     /// @param shape   I, J, K at full size
     /// @param frames  at full size
     /// @param budget  bytes of energies that may be held in memory, and as many of the field

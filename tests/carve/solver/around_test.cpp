@@ -22,7 +22,7 @@ TEST_CASE("greedy seams around a rig close across it, along it and in both, in a
         const ColumnGraph graph(size, n % 2 == 0, true);
         const int width = 1 + static_cast<int>(random() % 12);
         auto energy = random_volume(random, graph, width, n % 5 == 0 ? 3 : 1024);
-        if (n % 3 == 0) energy.set_rigidity({2, 1});
+        if (n % 3 == 0) energy.set_step_prices({.rigidity = {2, 1}});
         const auto window = random_window(random, width);
         const auto seam =
             greedy_seam(energy, window, n, 3, nobody, n % 4 == 0 ? Guide::gaussian : Guide::cone);

@@ -92,7 +92,8 @@ TEST_CASE(
             for (const int entry : {400 + c, 900 - c})
                 energy.codes(0)[static_cast<std::size_t>(c) * energy.stride() +
                                 static_cast<std::size_t>(entry)] = 0;
-        energy.set_rigidity({static_cast<float>(rigid), static_cast<float>(rigid)});
+        energy.set_step_prices(
+            {.rigidity = {static_cast<float>(rigid), static_cast<float>(rigid)}});
         const Window window{2, 1298};
         const auto seam =
             with_threads(1, [&] { return DynamicSeams()(energy, window, 0, nobody); });
@@ -152,7 +153,7 @@ TEST_CASE("seams that begin with what the last one left are those found anew") {
         const ColumnGraph graph(n % 3 == 0 ? std::array{1, 1, columns} : std::array{columns, 1, 1});
         auto energy = random_volume(random, graph, width, n % 4 == 0 ? 3 : 1024);
         energy.set_spread(n % 5);
-        if (n % 2 == 0) energy.set_rigidity({2, 3});
+        if (n % 2 == 0) energy.set_step_prices({.rigidity = {2, 3}});
         const bool edges = n % 3 == 1;
         if (edges) {
             add_field(energy, 0.5f, [&](auto, auto) { return random() % 64; });

@@ -163,7 +163,7 @@ TEST_CASE(
     for (unsigned seed = 0; seed < 40; ++seed) {
         // Steps are dear in some, and some are rings.
         auto energy = noise({14, 3, 4}, Axis::u, 1 + seed % 6, seed, seed % 4 == 0);
-        if (seed % 3 == 0) energy.set_rigidity({0.5f, 0.25f});
+        if (seed % 3 == 0) energy.set_step_prices({.rigidity = {0.5f, 0.25f}});
         const Window window{1, 12};
         const auto free = greedy_seam(energy, window, int(seed), 40, nobody);
         TaskBounds bounds(4, 0, [] {}, {0, Scratch().path()});

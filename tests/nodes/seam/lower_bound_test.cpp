@@ -183,7 +183,7 @@ double cost_within(const ColumnGraph& graph, const EnergyVolume& energy,
         for (const auto other : graph.neighbours[c])
             if (other < c && seam[other] != seam[c])
                 out += static_cast<double>(
-                    energy.rigidity()[other / per_frame == c / per_frame ? 0 : 1]);
+                    energy.step_prices().rigidity[other / per_frame == c / per_frame ? 0 : 1]);
     }
     return out;
 }
@@ -197,7 +197,7 @@ TEST_CASE(
     for (int n = 0; n < 60; ++n) {
         const ColumnGraph graph({1 + n % 3, 1 + n % 4, 1 + n % 7}, n % 2 == 0, n % 3 == 0);
         auto energy = random_volume(random, graph, 9);
-        if (n % 3 == 1) energy.set_rigidity({200, 300});
+        if (n % 3 == 1) energy.set_step_prices({.rigidity = {200, 300}});
         const auto per_frame = energy.columns_per_frame();
         ConsecutiveBounds bounds;
         for (int number = 0; number < 4; ++number) {

@@ -77,7 +77,6 @@ void require_slabs(const Seams& set, int thickness, std::size_t count) {
 EnergyVolume slab_volume(std::size_t frames,
                          const std::function<float(int i, int j, int k, std::size_t t)>& field) {
     EnergyVolume out({slab_lattice, Axis::u, frames});
-    out.add_field(0);
     std::mt19937 random(3);
     for (std::size_t t = 0; t < frames; ++t) {
         std::vector<std::uint16_t> codes;
@@ -169,7 +168,7 @@ TEST_CASE(
     const SlabPrices prices(volume, thickness, {0.7f, 1.5f, {0.1f, 0.2f}});
     const auto got = prices.priced(volume, thickness, 1.5f, {}, {});
     CHECK(got.width() == slab_lattice[0] - thickness + 1);
-    CHECK(got.rigidity()[1] == Approx(0.2 * unit));
+    CHECK(got.step_prices().rigidity[1] == Approx(0.2 * unit));
     each([&](int j, int k, std::size_t t) {
         for (int i = 0; i + thickness <= slab_lattice[0]; ++i) {
             double wanted = 1.5 * unit;

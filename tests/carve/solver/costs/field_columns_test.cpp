@@ -106,7 +106,7 @@ TEST_CASE(
         const auto last = columns * frames;
         // What the volume holds, column by column: energies without edges, and the field.
         std::vector<Codes> energies(last), field(last);
-        energy.add_field(weight);
+        energy.set_step_prices({.edge = weight});
         for (std::size_t t = 0; t < frames; ++t) {
             const auto codes = random_field(random, columns, width);
             energy.set_field(t, codes);

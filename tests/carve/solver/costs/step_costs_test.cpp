@@ -90,7 +90,7 @@ struct Paid {
     EnergyVolume volume() const {
         auto out = volume_of(graph, width,
                              [&](std::size_t c, int entry) { return at(energies, c, entry); });
-        out.set_rigidity(rigidity);
+        out.set_step_prices({.rigidity = rigidity});
         if (weight == 0) return out;
         add_field(out, static_cast<float>(weight), [&](std::size_t t, std::size_t n) {
             return field[t * out.columns_per_frame() * out.stride() + n];
@@ -121,7 +121,7 @@ Paid random_paid(std::mt19937& random, int n, int most_columns = 11) {
 EnergyVolume forward_smoke(const std::array<int, 3>& shape, std::size_t frames, bool closed) {
     auto out = SyntheticEnergy(Synthetic::smoke, 3)(shape, frames, closed);
     const auto field = SyntheticEnergy(Synthetic::smoke, 4)(shape, frames, closed);
-    out.set_rigidity({0.02f, 0.05f});
+    out.set_step_prices({.rigidity = {0.02f, 0.05f}});
     add_field(out, 0.5f,
               [&](std::size_t t, std::size_t n) { return decode_energy(field.codes(t)[n]); });
     out.count_edges();
@@ -342,7 +342,7 @@ TEST_CASE("the paper's keyframes pay for the steps between intervals") {
         auto energy = volume_of(ColumnGraph({1, 1, 2}), 2, [](std::size_t c, int entry) {
             return c == 0 ? 9 * entry : 1 - entry;
         });
-        energy.set_rigidity({0, 3});
+        energy.set_step_prices({.rigidity = {0, 3}});
         CHECK(keyframed_seam(energy, {0, 1}, 0, 1, 5, quiet).at[1] == 0);
     }
     for (int n = 0; n < 500; ++n) {
@@ -420,7 +420,7 @@ TEST_CASE("steps dearer than all energies leave the cheapest straight seam") {
         const ColumnGraph graph({4, 4, 1 + n % 3}, n % 2 == 0);
         auto energy = random_volume(random, graph, 5);
         for (const float rigidity : {1e4f, 1e7f, 1e30f}) {
-            energy.set_rigidity({rigidity, rigidity});
+            energy.set_step_prices({.rigidity = {rigidity, rigidity}});
             double least = std::numeric_limits<double>::infinity();
             for (std::uint16_t entry = 0; entry < 5; ++entry)
                 least = std::min(least, energy_of(energy, SeamVector(graph.count(), entry)));
@@ -437,8 +437,8 @@ TEST_CASE("half the resolution: a coarse field is the mean, and its edges weigh 
         const Paid paid(random, {3, 4, 5}, false, 6, true);
         const auto volume = paid.volume();
         const auto coarse = restrict_energy(volume, {1, 5}, volume.barrier());
-        REQUIRE(coarse.field_weight() == volume.field_weight() / 2);
-        REQUIRE(coarse.rigidity() == volume.rigidity());
+        REQUIRE(coarse.step_prices().edge == volume.step_prices().edge / 2);
+        REQUIRE(coarse.step_prices().rigidity == volume.step_prices().rigidity);
         for (int t = 0; t < 3; ++t)
             for (int k = 0; k < 2; ++k)
                 for (int lateral = 0; lateral < 2; ++lateral)
@@ -464,7 +464,7 @@ TEST_CASE("half the resolution: a coarse field is the mean, and its edges weigh 
 TEST_CASE("rigid seams step less, in space or in time, and none at all if it is dear enough") {
     const auto steps_of = [](const std::array<float, 2>& rigidity) {
         auto energy = SyntheticEnergy(Synthetic::noise, 5)({20, 8, 10}, 8);
-        energy.set_rigidity(rigidity);
+        energy.set_step_prices({.rigidity = rigidity});
         const auto seam = exact_seam(energy, {0, 19}, 0, quiet);
         const Columns columns(energy);
         std::array<int, 2> out{};

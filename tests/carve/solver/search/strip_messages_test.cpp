@@ -29,7 +29,7 @@ SeamVector by_messages(const EnergyVolume& energy, SeamVector seam, Window windo
 
 /// Gives an energy a field, and steps a price.
 void add_random_steps(EnergyVolume& energy, std::mt19937& random) {
-    energy.set_rigidity({0.1f, 0.2f});
+    energy.set_step_prices({.rigidity = {0.1f, 0.2f}});
     add_field(energy, 0.5f, [&](auto, auto) { return static_cast<float>(random() % 100) / 50; });
 }
 
