@@ -84,7 +84,7 @@ struct Search {
 template <class Cell, class Values>
 std::optional<Seams::Seam> find(const Search& search, const CostLimit& limit, const Tick& tick) {
     const auto& energy = search.energy;
-    const bool guided = energy.closed() && search.guide == Guide::gaussian;
+    const bool guided = energy.shape().closed && search.guide == Guide::gaussian;
     const auto table = guided ? gaussians(energy.slices(), mean_energy<Cell>(energy, search.window))
                               : GuideTable();
     const auto entries = spread(search.window, search.starts);

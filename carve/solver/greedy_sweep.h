@@ -49,9 +49,9 @@ public:
           below_first_(number % 2 == 0),
           starts_(starts),
           guide_(guide),
-          ring_(!energy.closed() ? Ring::open
-                : guide.empty()  ? Ring::cone
-                                 : Ring::gaussian),
+          ring_(!energy.shape().closed ? Ring::open
+                : guide.empty()        ? Ring::cone
+                                       : Ring::gaussian),
           step_costs_(energy.steps()),
           columns_(energy),
           step_bytes_((starts.size() + 3) / 4),

@@ -154,7 +154,7 @@ public:
             kind = fmt::format("bound, {} passes", passes + 1);
         }
         auto size = fmt::format("{}x{}x{}{} x {}", energy.width(), energy.laterals(),
-                                energy.slices(), energy.closed() ? "o" : "", energy.frames());
+                                energy.slices(), energy.shape().closed ? "o" : "", energy.frames());
         auto title = name;
         for (const auto& row : rows) {
             const double ratio = row.mean / rows.front().mean, gap = row.energy / reference - 1;
@@ -165,7 +165,7 @@ public:
             csv_ << fmt::format(
                 "\"{}\",{},{},{},{},{},\"{}\",{:.4f},{:.4f},{:.3f},{:.6g},{:.6g},\"{}\",{:.6f}\n",
                 name, energy.width(), energy.laterals(), energy.slices(), energy.frames(),
-                energy.closed() ? 1 : 0, row.solver, row.first, row.mean, ratio, row.energy,
+                energy.shape().closed ? 1 : 0, row.solver, row.first, row.mean, ratio, row.energy,
                 row.all, kind, gap);
             page_ << fmt::format(
                 "| {} | {} | {} | {:.3f} | {:.3f} | {:.1f} | {:.1f} | {:.2f} % |\n", title, size,

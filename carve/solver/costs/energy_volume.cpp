@@ -20,6 +20,21 @@ using ColumnRange = tbb::blocked_range<std::size_t>;
 /// An attracted vertex is worth a way through this many vertices of the highest energy.
 constexpr float attraction_of_highest = 64;
 
+/// Adds equal shares of what an entry hands on to the unmarked entries near it, unless it is marked
+/// itself.
+/// @param handed_on  of `entry`
+template <class Unmarked, class EnergyAt, class HandedOn, class Set>
+void share(int entry, Window near, const Unmarked& unmarked, const EnergyAt& energy_at,
+           const HandedOn& handed_on, const Set& set) {
+    if (!unmarked(entry)) return;
+    int receivers = -1;
+    for (int e = near.first; e <= near.last; ++e) receivers += unmarked(e) ? 1 : 0;
+    if (receivers <= 0) return;
+    const float part = handed_on(entry) / static_cast<float>(receivers);
+    for (int e = near.first; e <= near.last; ++e)
+        if (e != entry && unmarked(e)) set(e, energy_at(e) + part);
+}
+
 }  // namespace
 
 EnergyVolume::EnergyVolume(const Shape& shape, const Limits& limits, std::vector<float> costs)
@@ -165,50 +180,43 @@ EnergyVolume EnergyVolume::sum() const {
 }
 
 void EnergyVolume::hand_on(std::size_t column, int entry, Window window) {
-    const auto first = column * stride_;
-    const int low = std::max(entry - spread_, window.first),
-              high = std::min(entry + spread_, window.last);
-    const float highest = decode_energy(highest_energy_code);
-    const auto share = [&](const auto& unmarked, const auto& energy_at, const auto& set) {
-        if (!unmarked(entry)) return;
-        int receivers = -1;
-        for (int e = low; e <= high; ++e) receivers += unmarked(e) ? 1 : 0;
-        if (receivers <= 0) return;
-        const float all = spreads_edges_ && edges_counted()
-                              ? decode_energy(codes_of(column)[entry]) - energy_at(entry)
-                              : energy_at(entry);
-        const float part = all / static_cast<float>(receivers);
-        for (int e = low; e <= high; ++e)
-            if (e != entry && unmarked(e)) set(e, energy_at(e) + part);
-    };
+    const Window near{std::max(entry - spread_, window.first),
+                      std::min(entry + spread_, window.last)};
     if (summed()) {
-        auto *const costs = sums_.data() + first, *const energies = energies_.empty()
-                                                                        ? nullptr
-                                                                        : energies_.data() + first;
+        auto* const costs = sums_.data() + column * stride_;
+        auto* const energies = energies_.empty() ? nullptr : energies_.data() + column * stride_;
+        const auto cost_at = [&](int e) { return costs[e]; };
         share(
+            entry, near,
             [&](int e) { return !std::isinf(costs[e]) && (!energies || energies[e] == costs[e]); },
-            [&](int e) { return costs[e]; },
+            cost_at, cost_at,
             [&](int e, float energy) {
                 costs[e] = energy;
                 if (energies) energies[e] = energy;
             });
-    } else {
-        // In the field's run, energies without edges are stored separately.
-        const auto* const run = edges_counted() ? &field(column) : nullptr;
-        auto* const codes = codes_of(column);
-        const auto share_codes = [&](const auto& code) {
-            share([&](int e) { return code(e) < protected_code; },
-                  [&](int e) { return decode_energy(code(e)); },
-                  [&](int e, float energy) { code(e) = encode_energy(std::min(energy, highest)); });
-        };
-        if (!run || run->end <= low || run->first > high)
-            share_codes([&](int e) -> std::uint16_t& { return codes[e]; });
-        else if (run->has(low) && run->has(high))
-            share_codes([&](int e) -> std::uint16_t& { return run->energy(e); });
-        else
-            share_codes(
-                [&](int e) -> std::uint16_t& { return run->has(e) ? run->energy(e) : codes[e]; });
+        return;
     }
+    // In the field's run, energies without edges are stored separately.
+    const auto* const run = edges_counted() ? &field(column) : nullptr;
+    auto* const codes = codes_of(column);
+    const float highest = decode_energy(highest_energy_code);
+    const auto share_codes = [&](const auto& code) {
+        const auto energy_at = [&](int e) { return decode_energy(code(e)); };
+        share(
+            entry, near, [&](int e) { return code(e) < protected_code; }, energy_at,
+            [&](int e) {
+                return run && spreads_edges_ ? decode_energy(codes[e]) - energy_at(e)
+                                             : energy_at(e);
+            },
+            [&](int e, float energy) { code(e) = encode_energy(std::min(energy, highest)); });
+    };
+    if (!run || run->end <= near.first || run->first > near.last)
+        share_codes([&](int e) -> std::uint16_t& { return codes[e]; });
+    else if (run->has(near.first) && run->has(near.last))
+        share_codes([&](int e) -> std::uint16_t& { return run->energy(e); });
+    else
+        share_codes(
+            [&](int e) -> std::uint16_t& { return run->has(e) ? run->energy(e) : codes[e]; });
 }
 
 void EnergyVolume::remove(std::span<const std::uint16_t> at, Window window) {

@@ -50,8 +50,8 @@ public:
     /// @throws Failure as FrameStore
     explicit EnergyVolume(const Shape& shape, const Limits& limits = {},
                           std::vector<float> costs = {});
-    /// The shape with columns along u: another volume of it has columns of width(), neighbours of
-    /// each other as these.
+    /// The same shape with columns along u, as long as width(): a volume of it is laid out as this
+    /// one is, when no entry is deleted yet.
     const Shape& shape() const { return shape_; }
 
     /// Sets what steps and edges cost; before count_edges().
@@ -119,8 +119,6 @@ public:
     std::size_t stride() const { return stride_; }  ///< entries from a column to the next
     /// Bytes of energies and field, in memory or in files.
     std::uint64_t bytes() const;
-    bool closed() const { return shape_.closed; }
-    bool around() const { return shape_.around; }
 
     std::span<std::uint16_t> codes(std::size_t t) { return codes_.entries(t); }
     const std::uint16_t* codes(std::size_t t) const { return codes_.entries(t).data(); }
@@ -162,7 +160,7 @@ private:
         float barrier = 0;          ///< attraction in all frames that a vertex stands for
     };
 
-    /// Adds the energy of an entry to its neighbours.
+    /// Shares the energy of an entry among its neighbours in a column.
     /// @param column  as in Seams::Seam::at
     void hand_on(std::size_t column, int entry, Window window);
     /// Sets entries of a column to their energy plus the edge that their removal makes. Beyond the

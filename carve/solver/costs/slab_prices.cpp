@@ -260,8 +260,8 @@ std::vector<float> SlabPrices::frame(const EnergyVolume& volume, int thickness,
         });
     const auto laterals = static_cast<std::size_t>(volume.laterals()),
                slices = static_cast<std::size_t>(volume.slices());
-    smooth(out, laterals, slabs, slices, laterals * slabs, slabs, volume.around());
-    smooth(out, slices, laterals * slabs, laterals, slabs, slabs, volume.closed());
+    smooth(out, laterals, slabs, slices, laterals * slabs, slabs, volume.shape().around);
+    smooth(out, slices, laterals * slabs, laterals, slabs, slabs, volume.shape().closed);
     return out;
 }
 

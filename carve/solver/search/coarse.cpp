@@ -125,11 +125,11 @@ void restrict_field(const EnergyVolume& energy, Window window, const Columns& co
 template <class Cell, bool protects>
 EnergyVolume restricted(const EnergyVolume& energy, Window window, float barrier) {
     const Columns fine(energy);
-    const std::array<int, 3> shape{halved(window.size()), halved(energy.laterals()),
-                                   halved(energy.slices())};
-    const Columns coarse(shape[1], shape[2], static_cast<int>(halved(fine.frames())),
-                         energy.closed(), energy.around());
-    const auto row_size = static_cast<std::size_t>(shape[0]) * coarse.laterals();
+    auto shape = energy.shape();
+    shape.lattice = {halved(window.size()), halved(energy.laterals()), halved(energy.slices())};
+    shape.frames = halved(fine.frames());
+    const Columns coarse(shape);
+    const auto row_size = static_cast<std::size_t>(shape.lattice[0]) * coarse.laterals();
     const auto for_rows = [&](const auto& take) {
         tbb::parallel_for(std::size_t{0}, coarse.slices() * coarse.frames(), [&](std::size_t row) {
             std::vector<float> costs(row_size);
@@ -138,17 +138,15 @@ EnergyVolume restricted(const EnergyVolume& energy, Window window, float barrier
             take(row, costs);
         });
     };
-    const EnergyVolume::Shape out_shape{shape, Axis::u, coarse.frames(), energy.closed(),
-                                        energy.around()};
     // Codes cannot hold costs below 0.
     if (energy.summed() || energy.attracts()) {
         std::vector<float> costs(row_size * coarse.slices() * coarse.frames());
         for_rows([&](std::size_t row, const std::vector<float>& of_row) {
             std::ranges::copy(of_row, costs.begin() + static_cast<std::ptrdiff_t>(row * row_size));
         });
-        return EnergyVolume(out_shape, {}, std::move(costs));
+        return EnergyVolume(shape, {}, std::move(costs));
     }
-    EnergyVolume out(out_shape);
+    EnergyVolume out(shape);
     const auto most = decode_energy(highest_energy_code);
     for_rows([&](std::size_t row, const std::vector<float>& of_row) {
         auto* const codes =

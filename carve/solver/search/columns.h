@@ -21,9 +21,11 @@ public:
     /// The opposite direction.
     static constexpr unsigned back(unsigned direction) { return direction ^ 1; }
 
-    explicit Columns(const EnergyVolume& energy)
-        : Columns(energy.laterals(), energy.slices(), static_cast<int>(energy.frames()),
-                  energy.closed(), energy.around()) {}
+    explicit Columns(const EnergyVolume& energy) : Columns(energy.shape()) {}
+    explicit Columns(const EnergyVolume::Shape& shape)
+        : Columns(shape.lattice[lateral_dimension(shape.axis)],
+                  shape.lattice[slice_dimension(shape.axis)], static_cast<int>(shape.frames),
+                  shape.closed, shape.around) {}
     /// @param closed  the last slice is a neighbour of the first
     /// @param around  the last lateral column is a neighbour of the first
     Columns(int laterals, int slices, int frames, bool closed, bool around = false)

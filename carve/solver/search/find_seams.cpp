@@ -218,9 +218,9 @@ private:
     /// Adds a found seam to the set, as the seams that it stands for.
     void add(Seams::Seam seam, int thickness, double seconds) {
         if (full_) {
-            const Columns here = static_ ? Columns(volume_.laterals(), volume_.slices(), 1,
-                                                   volume_.closed(), volume_.around())
-                                         : Columns(volume_);
+            auto shape = volume_.shape();
+            if (static_) shape.frames = 1;
+            const Columns here(shape);
             const double share = static_cast<double>(columns()) / static_cast<double>(here.count());
             const int most =
                 width_ - (inserts() && slabs_ ? 1 : found()) - (slabs_ ? 2 * thickness : 1);

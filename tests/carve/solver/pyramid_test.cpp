@@ -209,8 +209,8 @@ TEST_CASE(
         REQUIRE(coarse.laterals() == expected.size[0]);
         REQUIRE(coarse.slices() == expected.size[1]);
         REQUIRE(coarse.frames() == static_cast<std::size_t>(expected.size[2]));
-        REQUIRE(coarse.closed() == fine.closed);
-        REQUIRE(coarse.around() == fine.around);
+        REQUIRE(coarse.shape().closed == fine.closed);
+        REQUIRE(coarse.shape().around == fine.around);
 
         const auto fine_energy = energies_of(energy), coarse_energy = energies_of(coarse);
         std::vector<double> sum(expected.count() * half_of(window.size()), 0.0),

@@ -90,7 +90,7 @@ std::vector<std::uint16_t> by_definition(EnergyVolume& energy, Window window, in
         for (int k = 0; k < shape.slices; ++k)
             for (int j = 0; j < shape.laterals; ++j) {
                 const auto strays = [&](int i) {
-                    return energy.closed() && k > 0 &&
+                    return energy.shape().closed && k > 0 &&
                            std::abs(i - int(at[static_cast<std::size_t>(
                                             j + shape.laterals * shape.slices * t)])) >
                                shape.slices - k;
