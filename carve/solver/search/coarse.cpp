@@ -27,6 +27,17 @@ float cost_of_either(float a, float b, float barrier) {
     return cost_of_pair(a, b);
 }
 
+/// Calls `visit(c)` for the columns that a coarse column stands for.
+template <class Visit>
+void each_fine(const Columns& fine, const Columns::Place& coarse, const Visit& visit) {
+    const auto end = [](std::size_t at, std::size_t size) { return std::min(2 * at + 2, size); };
+    for (auto t = 2 * coarse.t; t < end(coarse.t, fine.frames()); ++t)
+        for (auto k = 2 * coarse.slice; k < end(coarse.slice, fine.slices()); ++k)
+            for (auto lateral = 2 * coarse.lateral; lateral < end(coarse.lateral, fine.laterals());
+                 ++lateral)
+                visit(fine.at(lateral, k, t));
+}
+
 /// Restricts a row of columns along the lateral dimension, `[lateral][entry]`.
 template <class Cell, bool protects>
 void restrict_row(const EnergyVolume& energy, Window window, float barrier, const Columns& coarse,
@@ -48,33 +59,29 @@ void restrict_row(const EnergyVolume& energy, Window window, float barrier, cons
         }
         sum += value;
     };
+    const auto add_column = [&](const Cell* cells, float* sums) {
+        if constexpr (std::is_same_v<Cell, std::uint16_t>)
+            if (plain) {
+                decode_energies({cells, width}, energies);
+                return add_pairs(energies, {sums, coarse_width});
+            }
+        for (std::size_t n = 0; n < width / 2; ++n)
+            add(sums[n], n,
+                cost_of_either<protects>(cost(cells[2 * n]), cost(cells[2 * n + 1]), barrier));
+        if (width % 2 != 0) {
+            const auto last = cost(cells[width - 1]);
+            add(sums[coarse_width - 1], coarse_width - 1,
+                protects && std::isinf(last) ? barrier : last);
+        }
+    };
     for (std::size_t lateral = 0; lateral < coarse.laterals(); ++lateral) {
         auto* const sums = out.data() + lateral * coarse_width;
         std::ranges::fill(closed, 0.0f);
         float count = 0;
-        for (auto ft = 2 * t; ft < std::min(2 * t + 2, fine.frames()); ++ft)
-            for (auto fk = 2 * k; fk < std::min(2 * k + 2, fine.slices()); ++fk)
-                for (auto fl = 2 * lateral; fl < std::min(2 * lateral + 2, fine.laterals()); ++fl) {
-                    const auto* const cells = energy.cells<Cell>(ft) +
-                                              (fl + fine.laterals() * fk) * energy.stride() +
-                                              window.first;
-                    ++count;
-                    if constexpr (std::is_same_v<Cell, std::uint16_t>)
-                        if (plain) {
-                            decode_energies({cells, width}, energies);
-                            add_pairs(energies, {sums, coarse_width});
-                            continue;
-                        }
-                    for (std::size_t n = 0; n < width / 2; ++n)
-                        add(sums[n], n,
-                            cost_of_either<protects>(cost(cells[2 * n]), cost(cells[2 * n + 1]),
-                                                     barrier));
-                    if (width % 2 != 0) {
-                        const auto last = cost(cells[width - 1]);
-                        add(sums[coarse_width - 1], coarse_width - 1,
-                            protects && std::isinf(last) ? barrier : last);
-                    }
-                }
+        each_fine(fine, {lateral, k, t}, [&](std::size_t c) {
+            ++count;
+            add_column(energy.cells<Cell>(0) + c * energy.stride() + window.first, sums);
+        });
         for (std::size_t n = 0; n < coarse_width; ++n) {
             if constexpr (protects)
                 sums[n] = closed[n] < count ? sums[n] / (count - closed[n]) : barrier;
@@ -100,19 +107,16 @@ void restrict_field(const EnergyVolume& energy, Window window, const Columns& co
             const auto k = row % coarse.slices(), t = first_frame + row / coarse.slices();
             MeanField mean(static_cast<std::size_t>(window.size()));
             for (std::size_t lateral = 0; lateral < coarse.laterals(); ++lateral) {
-                for (auto ft = 2 * t; ft < std::min(2 * t + 2, fine.frames()); ++ft)
-                    for (auto fk = 2 * k; fk < std::min(2 * k + 2, fine.slices()); ++fk)
-                        for (auto fl = 2 * lateral; fl < std::min(2 * lateral + 2, fine.laterals());
-                             ++fl) {
-                            const auto& field = energy.field(fine.at(fl, fk, ft));
-                            const int first = std::max(field.first, window.first),
-                                      end = std::min(field.end, window.last + 1);
-                            if (first >= end) mean.add({});
-                            else
-                                mean.add({field.codes + (first - field.first),
-                                          field.codes + (end - field.first)},
-                                         static_cast<std::size_t>(first - window.first));
-                        }
+                each_fine(fine, {lateral, k, t}, [&](std::size_t c) {
+                    const auto& field = energy.field(c);
+                    const int first = std::max(field.first, window.first),
+                              end = std::min(field.end, window.last + 1);
+                    if (first >= end) mean.add({});
+                    else
+                        mean.add({field.codes + (first - field.first),
+                                  field.codes + (end - field.first)},
+                                 static_cast<std::size_t>(first - window.first));
+                });
                 mean.end(std::span(codes).subspan(
                     (lateral + coarse.laterals() * row) * out.stride(), out.stride()));
             }

@@ -160,7 +160,8 @@ private:
     }
     /// Number of seams that each found seam or slab stands for.
     int each() const { return thickness_ * (full_ ? 2 : 1); }
-    /// The thickness of the next slab. It does not depend on the wanted number.
+    /// The thickness of the next slab. It does not depend on how many seams are wanted, so that a
+    /// continued search finds the same slabs.
     int thickness_now() const {
         return slabs_ && !inserts() ? std::min(thickness_, window_.size() - taken_) : thickness_;
     }

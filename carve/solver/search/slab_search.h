@@ -32,9 +32,9 @@ public:
           limits_(limits),
           measured_(volume, thick.thickness, thick.weights) {}
 
-    /// Sets the prices of the next slab, whose thickness does not depend on the wanted number.
+    /// Sets the prices of slabs of a thickness, before each find().
     void price(int thickness);
-    /// The prices that `price` set.
+    /// The prices that price() set.
     const EnergyVolume& prices() const { return sum_ ? *sum_ : *prices_; }
 
     /// Finds a slab in the prices. Empty slabs become dearer until the content gives its share.

@@ -20,16 +20,16 @@ constexpr std::size_t least_shared_columns = 1 << 13;
 /// @param box        columns of a box along each dimension
 /// @param make_work  makes the buffers of a thread
 /// @param visit      called with a ColumnBox and the thread's buffers
-/// @param tick       called between the sums, with the share done, 0 to 1
-template <class MakeWork, class Visit, class Tell>
+/// @param progress   called between the sums, with the share done, 0 to 1
+template <class MakeWork, class Visit, class Progress>
 void in_wavefront(const std::array<std::size_t, 3>& size, const std::array<std::size_t, 3>& box,
-                  const MakeWork& make_work, const Visit& visit, const Tell& tick) {
+                  const MakeWork& make_work, const Visit& visit, const Progress& progress) {
     std::array<std::size_t, 3> count;
     for (std::size_t d = 0; d < 3; ++d) count[d] = (size[d] + box[d] - 1) / box[d];
     const auto sums = count[0] + count[1] + count[2] - 2;
     std::vector<ColumnBox> boxes;
     for (std::size_t sum = 0; sum < sums; ++sum) {
-        tick(static_cast<double>(sum) / static_cast<double>(sums));
+        progress(static_cast<double>(sum) / static_cast<double>(sums));
         boxes.clear();
         for (std::size_t c = 0; c < std::min(count[2], sum + 1); ++c)
             for (std::size_t a = 0; a < std::min(count[0], sum - c + 1); ++a) {
