@@ -32,9 +32,9 @@ struct Prices {
     bool free_in_nothing = false;     ///< as in StepPrices
 };
 
-/// Adds what seams pay to a volume of sampled energies; its edges are counted. With a field, each vertex with content costs a typical energy more, so that
-/// seams also spread where there is no energy. A vertex without content costs so much more that its
-/// price becomes Prices::empty.
+/// Adds what seams pay to sampled energies, and counts the edges of their field. With a field, each
+/// vertex with content costs a typical energy more, so that seams also spread where there is no
+/// energy. A vertex without content costs so much more that its price becomes Prices::empty.
 /// @param limits  as for EnergyVolume::count_edges()
 /// @throws Failure as FrameStore
 void add_prices(EnergyVolume& energy, const Typical& typical, const Prices& prices,
