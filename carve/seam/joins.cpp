@@ -64,14 +64,16 @@ Joins::Joins(std::span<const CarveStep* const> steps, std::span<const CarveStep:
       fade_(fade),
       windows_(windows.begin(), windows.end()),
       places_(seams_ * columns_.count()) {
-    const int reach = static_cast<int>(steps.size() / 2);
+    const auto in_time = [&steps](std::size_t n) {
+        return static_cast<float>(std::min(n + 1, steps.size() - n));
+    };
     float all = 0;
-    for (int n = -reach; n <= reach; ++n) all += static_cast<float>(reach + 1 - std::abs(n));
+    for (std::size_t n = 0; n < steps.size(); ++n) all += in_time(n);
     each_in_parallel(columns_.count(), 64, [&](std::size_t column) {
         auto* const to = places_.data() + column * seams_;
-        for (int n = -reach; n <= reach; ++n) {
-            const auto bounds = steps[static_cast<std::size_t>(n + reach)]->first_displaced(column);
-            const float weight = static_cast<float>(reach + 1 - std::abs(n)) / all;
+        for (std::size_t n = 0; n < steps.size(); ++n) {
+            const auto bounds = steps[n]->first_displaced(column);
+            const float weight = in_time(n) / all;
             for (std::size_t seam = 0; seam < seams_; ++seam)
                 to[seam] += weight * (static_cast<float>(bounds[seam]) - 0.5f);
         }
