@@ -32,6 +32,13 @@ bool shows(const Value& value, const Value& nearest, const Value& background) {
     return can_blend<Value> && value != background && value != nearest;
 }
 
+/// A value of a grid, or one component of it, and whether it is active.
+template <class Value>
+struct ValueAndState {
+    Value value;
+    bool on;
+};
+
 /// A weighted sum of values. If they can't be averaged, or the sum is not finite, the value of the
 /// highest weight. Active if a value of the highest weight is active, or if any value is active
 /// and the sum is not the background.
@@ -43,7 +50,8 @@ class Blend {
         std::conditional_t<openvdb::VecTraits<Value>::IsVec, openvdb::Vec3d, double>>;
 
 public:
-    void add(const Value& value, bool on, double weight) {
+    void add(const ValueAndState<Value>& sample, double weight) {
+        const auto& [value, on] = sample;
         if constexpr (can_blend<Value>) {
             // The first value is assigned, not added to 0: that would lose the sign of -0.
             if (heaviest_ == 0) sum_ = Sum(value) * weight;
@@ -67,6 +75,8 @@ public:
     bool on(const Value& background) const {
         return on_ || (can_blend<Value> && any_ && value() != background);
     }
+
+    ValueAndState<Value> result(const Value& background) const { return {value(), on(background)}; }
 
 private:
     Sum sum_{};

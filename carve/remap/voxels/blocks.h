@@ -1,6 +1,7 @@
 #pragma once
 
 #include "carve/field/leaf_cell.h"
+#include "carve/remap/voxels/blend.h"
 
 #include <openvdb/openvdb.h>
 
@@ -30,10 +31,7 @@ class BlockWindow {
 public:
     using Leaf = typename TreeT::LeafNodeType;
     using Value = typename TreeT::ValueType;
-    struct Voxel {
-        Value value;
-        bool on;
-    };
+    using Voxel = ValueAndState<Value>;
 
     explicit BlockWindow(const TreeT& tree) : accessor_(tree) {}
 

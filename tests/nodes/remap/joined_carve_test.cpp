@@ -1,7 +1,7 @@
 #include "carve/remap/geometry/points.h"
 #include "carve/remap/grid.h"
 #include "carve/remap/joining.h"
-#include "carve/remap/voxels/joined_sides.h"
+#include "carve/remap/voxels/band_blend.h"
 #include "carve/seam/joins.h"
 #include "nodes/remap.h"
 #include "tests/support/bent_lattices.h"
