@@ -18,21 +18,22 @@ void Flow::run_once(const std::vector<std::size_t>& nodes, const Plan& plan,
                     const Schedule& schedule) {
     for (const auto n : nodes) {
         if (stopped()) return;
-        if (schedule.once[n] == Schedule::Action::run) calls_.once(n, plan.targets[n]);
-        if (schedule.once[n] == Schedule::Action::load) calls_.load_once(n);
-        calls_.release(n);
+        if (schedule.once[n] == Schedule::Action::run) once_.once(n, plan.targets[n]);
+        if (schedule.once[n] == Schedule::Action::load) once_.load(n);
+        once_.release(n);
     }
 }
 
 void Flow::run_pass(std::size_t number, const Plan& plan, const Schedule& schedule) {
     const auto& pass = plan.passes[number];
-    const auto failed = PassGraph(setup_, calls_, {number, plan, schedule}).stream();
+    const auto [count, failed] =
+        PassGraph(setup_, bodies_, results_, {number, plan, schedule}).stream();
     for (const auto n : pass.gathering) {
         if (stopped()) return;
-        if (schedule.once[n] == Schedule::Action::load) calls_.load_once(n);
+        if (schedule.once[n] == Schedule::Action::load) once_.load(n);
         if (!schedule.gathers[n]) continue;
-        if (failed[n].empty()) calls_.finish(n);
-        else calls_.lacks_frames(n, failed[n]);
+        if (failed[n].empty()) once_.finish(n, count[n]);
+        else once_.lacks_frames(n, failed[n]);
     }
 }
 

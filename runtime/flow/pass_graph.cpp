@@ -13,18 +13,19 @@ std::vector<std::size_t> PassGraph::indices_of(const std::vector<Schedule::Frame
     return out;
 }
 
-PassGraph::PassGraph(const FlowSetup& setup, NodeCalls& calls, const ScheduledPass& pass)
+PassGraph::PassGraph(const FlowSetup& setup, BodyCalls& bodies, CachedResults& results,
+                     const ScheduledPass& pass)
     : setup_(setup),
-      calls_(calls),
+      bodies_(bodies),
       pass_(pass.plan.passes[pass.number]),
       plan_(pass.plan),
       schedule_(pass.schedule),
       frames_(pass.schedule.frames[pass.number]),
       indices_(indices_of(frames_)),
       wiring_(wire(setup.pipeline, pass_)),
+      calls_(setup, bodies, results, wiring_),
       ahead_(files_of(setup.store, wiring_, frames_, indices_),
              static_cast<std::size_t>(setup.options.in_flight), setup.options.memory),
-      failed_(setup.pipeline.nodes.size()),
       // Only numbers wait in front of the limiter. Frames are created behind it.
       source_(graph_,
               [this](tbb::flow_control& control) -> std::size_t {
@@ -49,14 +50,14 @@ PassGraph::~PassGraph() {
     graph_.wait_for_all();
 }
 
-std::vector<std::vector<int>> PassGraph::stream() {
+ConsumedFrames PassGraph::stream() {
     source_.activate();
     graph_.wait_for_all();
-    return std::move(failed_);
+    return calls_.gathered();
 }
 
 PassGraph::Frame PassGraph::admit(std::size_t order) {
-    ++calls_.in_flight;
+    ++bodies_.in_flight;
     ahead_.begin(order);
     auto frame = std::make_shared<FrameRun>(indices_[order], order, frames_[indices_[order]]);
     frame->open = ends_;
@@ -70,7 +71,7 @@ PassGraph::Frame PassGraph::admit(std::size_t order) {
 
 void PassGraph::retire(FrameRun& frame) {
     if (frame.open.fetch_sub(1) != 1) return;
-    --calls_.in_flight;
+    --bodies_.in_flight;
     ahead_.end(frame.order);
     if (frame.scheduled.computes()) setup_.events.passed(setup_.timelines.frames()[frame.t]);
     limiter_.decrementer().try_put(flow::continue_msg{});
@@ -81,8 +82,8 @@ bool PassGraph::gathers(std::size_t n) const {
 }
 
 void PassGraph::work(std::size_t n, FrameRun& frame) {
-    if (gathers(n)) calls_.digest(n, frame, wiring_);
-    else calls_.run(n, frame, wiring_, plan_.targets[n]);
+    if (gathers(n)) calls_.digest(n, frame);
+    else calls_.run(n, frame, plan_.targets[n]);
 }
 
 void PassGraph::add_unit(std::size_t n) {
@@ -103,8 +104,7 @@ void PassGraph::add_gathering(std::size_t n) {
         graph_, [](const Frame& frame) { return frame->order; });
     consume = std::make_unique<flow::function_node<Frame, Frame>>(
         graph_, flow::serial, [this, n](const Frame& frame) {
-            if (!calls_.consume(n, *frame, wiring_, schedule_.gathers[n] != 0))
-                failed_[n].push_back(setup_.timelines.frames()[frame->t]);
+            calls_.consume(n, *frame, schedule_.gathers[n] != 0);
             return frame;
         });
     flow::make_edge(flow::output_port<0>(*units_[n]), *order);

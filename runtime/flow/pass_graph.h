@@ -1,6 +1,6 @@
 #pragma once
 
-#include "runtime/flow/node_calls.h"
+#include "runtime/flow/frame_calls.h"
 #include "runtime/flow/read_ahead.h"
 #include "runtime/plan/frame_run.h"
 #include "runtime/plan/plan.h"
@@ -28,14 +28,14 @@ struct ScheduledPass {
 class PassGraph {
 public:
     /// All must outlive it.
-    PassGraph(const FlowSetup& setup, NodeCalls& calls, const ScheduledPass& pass);
+    PassGraph(const FlowSetup& setup, BodyCalls& bodies, CachedResults& results,
+              const ScheduledPass& pass);
     ~PassGraph();
     PassGraph(const PassGraph&) = delete;
     PassGraph& operator=(const PassGraph&) = delete;
 
     /// Streams all frames through the graph.
-    /// @return per node: numbers of the frames that failed before a gathering node, or there
-    std::vector<std::vector<int>> stream();
+    ConsumedFrames stream();
 
 private:
     using Frame = std::shared_ptr<FrameRun>;
@@ -57,17 +57,17 @@ private:
     bool gathers(std::size_t n) const;
 
     const FlowSetup& setup_;
-    NodeCalls& calls_;
+    BodyCalls& bodies_;
     const Pass& pass_;
     const Plan& plan_;
     const Schedule& schedule_;
     const std::vector<Schedule::Frame>& frames_;  ///< `[t]`
     const std::vector<std::size_t> indices_;      ///< of the frames, in order of admission
     const Wiring wiring_;
+    FrameCalls calls_;
     ReadAhead ahead_;
     int ends_ = 0;          ///< nodes that no other reads
     std::size_t next_ = 0;  ///< index in `indices_`
-    std::vector<std::vector<int>> failed_;
 
     tbb::flow::graph graph_;
     tbb::flow::input_node<std::size_t> source_;
