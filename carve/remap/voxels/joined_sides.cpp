@@ -2,6 +2,8 @@
 
 #include "carve/seam/step_columns.h"
 
+#include <cmath>
+
 namespace fluidcarve {
 
 double JoinedSides::displacement(std::size_t n, const openvdb::Vec3d& at) const {
