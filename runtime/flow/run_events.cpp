@@ -31,13 +31,13 @@ void RunEvents::call_ended(Work work, std::size_t node, WorkTimes::Span& span, i
     const auto& all = node_work_[node];
     const auto times = work == Work::consume ? all.consumed_inputs : all.runs;
     const double abreast = options_.abreast(times);
-    if (good) costs_.add(node, work, seconds, {abreast, abreast, 0, 0, 0, 0});
+    if (good) costs_.add(node, work, seconds, {.abreast = abreast, .cores = abreast});
     progress_.done(step(node, work).value(), seconds, frame);
 }
 
 void RunEvents::loaded(std::size_t node, WorkTimes::Span& span) {
     const double abreast = options_.abreast(node_work_[node].loads());
-    costs_.add(node, Work::load, span.end(), {abreast, abreast, 0, 0, 0, 0});
+    costs_.add(node, Work::load, span.end(), {.abreast = abreast, .cores = abreast});
 }
 
 void RunEvents::advanced(std::size_t node, double share, double seconds) {
