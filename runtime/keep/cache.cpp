@@ -8,13 +8,10 @@
 #include "runtime/keep/entry_header.h"
 #include "runtime/keep/work_folder.h"
 
-#include <fmt/format.h>
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <istream>
@@ -263,10 +260,8 @@ void Cache::look_again() {
 }
 
 void Cache::note(const Hash& key, int error) const {
-    if (error == 0 || error == ENOENT) return;
     const std::lock_guard lock(mutex_);
-    if (read_fault_.empty())
-        read_fault_ = fmt::format("cannot read {}: {}", path_of(key), std::strerror(error));
+    note_read_fault(read_fault_, path_of(key), error);
 }
 
 std::string Cache::read_fault() const {

@@ -62,7 +62,17 @@ std::string random_name() {
     return Hash{number(), number() | 1}.text();
 }
 
+/// What is thrown if a call of the system failed.
+Failure failed_write(const std::string& path) {
+    return Failure(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
+}
+
 }  // namespace
+
+void note_read_fault(std::string& first_fault, const std::string& path, int error) {
+    if (error != 0 && error != ENOENT && first_fault.empty())
+        first_fault = fmt::format("cannot read {}: {}", path, std::strerror(error));
+}
 
 Packs::~Packs() { end_own(); }
 
@@ -83,7 +93,7 @@ std::optional<std::vector<char>> Packs::read(const Hash& key) {
         return out;
     const int code = errno;
     lock.lock();
-    note(path_of(pack, closed), code);
+    note_read_fault(read_fault_, path_of(pack, closed), code);
     damaged_ += there ? 1 : 0;
     if (auto& now = places_[key]; now.written == place.written) now.size = 0;
     return std::nullopt;
@@ -118,25 +128,20 @@ void Packs::add(const Hash& key, std::span<const char> bytes) {
     std::memcpy(record.data(), &head, sizeof head);
     std::ranges::copy(bytes, record.begin() + sizeof head);
     if (!write_at(own_file_, pack.end, record.data(), record.size())) {
-        const auto fault =
-            fmt::format("cannot write {}: {}", path_of(pack, opened), std::strerror(errno));
+        const auto failure = failed_write(path_of(pack, opened));
         if (ftruncate(own_file_, static_cast<off_t>(pack.end)) == 0 && pack.end == 0)
             unlink(path_of(pack, opened).c_str());
         end_own();
-        throw Failure(fault);
+        throw failure;
     }
     place = now;
     pack.end += record.size();
-    if (pack.end >= full && !end_own())
-        throw Failure(
-            fmt::format("cannot write {}: {}", path_of(pack, opened), std::strerror(errno)));
+    if (pack.end >= full && !end_own()) throw failed_write(path_of(pack, opened));
 }
 
 void Packs::finish() {
     const std::lock_guard lock(mutex_);
-    if (!end_own())
-        throw Failure(fmt::format("cannot write {}: {}", path_of(packs_[own_], closed),
-                                  std::strerror(errno)));
+    if (!end_own()) throw failed_write(path_of(packs_[own_], closed));
 }
 
 void Packs::drop(const Hash& key) {
@@ -164,11 +169,6 @@ std::string Packs::read_fault() const {
     return read_fault_;
 }
 
-void Packs::note(const std::string& path, int error) {
-    if (error != 0 && error != ENOENT && read_fault_.empty())
-        read_fault_ = fmt::format("cannot read {}: {}", path, std::strerror(error));
-}
-
 bool Packs::is_name(std::string_view name) {
     const auto digits = name.substr(0, name_digits), ending = name.substr(digits.size());
     return Hash::parse(digits) && (ending == closed || ending == opened);
@@ -186,9 +186,9 @@ void Packs::scan() {
         packs_.push_back({name.substr(0, name_digits)});
         const Descriptor file{open_pack(packs_.back())};
         if (file.number >= 0) scan(packs_.size() - 1, file.number);
-        else note(path_of(packs_.back(), closed), -file.number);
+        else note_read_fault(read_fault_, path_of(packs_.back(), closed), -file.number);
     }
-    note(folder_, error.value());
+    note_read_fault(read_fault_, folder_, error.value());
 }
 
 void Packs::scan(std::size_t n, int file) {
@@ -203,7 +203,7 @@ void Packs::scan(std::size_t n, int file) {
         if (head.written >= place.written) place = {n, begin, head.size, head.written, head.sum};
         end = begin + head.size;
     }
-    note(path_of(packs_[n], closed), errno);
+    note_read_fault(read_fault_, path_of(packs_[n], closed), errno);
 }
 
 int Packs::open_pack(const Pack& pack) const {
@@ -228,9 +228,7 @@ void Packs::begin_own() {
                                   error.message()));
     Pack pack{random_name()};
     own_file_ = open(path_of(pack, opened).c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (own_file_ < 0)
-        throw Failure(
-            fmt::format("cannot write {}: {}", path_of(pack, opened), std::strerror(errno)));
+    if (own_file_ < 0) throw failed_write(path_of(pack, opened));
     own_ = packs_.size();
     packs_.push_back(std::move(pack));
 }

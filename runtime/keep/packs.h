@@ -14,6 +14,11 @@
 
 namespace fluidcarve {
 
+/// Sets `first_fault` to "cannot read <path>: <the system's message>", if it is empty and the error
+/// is neither 0 nor that of a missing file.
+/// @param error  of errno
+void note_read_fault(std::string& first_fault, const std::string& path, int error);
+
 /// Small records of a folder, found by their keys. Many records lie in one file, a pack, so that a
 /// sequence of thousands of frames makes a few files, not one per record. Any number of processes
 /// may share the folder without locks: only one at a time appends to a pack, and readers accept a
@@ -88,8 +93,6 @@ private:
     void scan(std::size_t pack, int file);
     /// Opens a pack that may just be renamed. @return below 0: the error, -ENOENT if it is gone
     int open_pack(const Pack& pack) const;
-    /// Records an error of the system. Ignores 0 and missing files.
-    void note(const std::string& path, int error);
     /// Finds a pack to append to, or makes one. @throws Failure
     void begin_own();
     bool claim(std::size_t pack);
