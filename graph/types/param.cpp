@@ -12,8 +12,6 @@
 namespace fluidcarve {
 namespace {
 
-std::string number_text(double value) { return fmt::format("{}", value); }
-
 /// Parses a list of N numbers and checks each against the reader's range.
 template <std::size_t N>
 std::optional<std::array<double, N>> numbers(const Value& value, ValueReader& reader,
@@ -141,7 +139,7 @@ std::optional<int> ParamTraits<int>::parse(const Value& value, ValueReader& read
     return number ? std::optional(static_cast<int>(*number)) : std::nullopt;
 }
 
-std::string ParamTraits<double>::text(double value) { return number_text(value); }
+std::string ParamTraits<double>::text(double value) { return fmt::format("{}", value); }
 std::string ParamTraits<float>::text(float value) { return fmt::format("{}", value); }
 
 std::optional<float> ParamTraits<float>::parse(const Value& value, ValueReader& reader) {
@@ -162,8 +160,7 @@ std::optional<Vec3> ParamTraits<Vec3>::parse(const Value& value, ValueReader& re
 }
 
 std::string ParamTraits<Vec3>::text(const Vec3& value) {
-    return fmt::format("[{}, {}, {}]", number_text(value[0]), number_text(value[1]),
-                       number_text(value[2]));
+    return fmt::format("[{}, {}, {}]", value[0], value[1], value[2]);
 }
 
 std::optional<Interval> ParamTraits<Interval>::parse(const Value& value, ValueReader& reader) {
@@ -177,7 +174,7 @@ std::optional<Interval> ParamTraits<Interval>::parse(const Value& value, ValueRe
 }
 
 std::string ParamTraits<Interval>::text(const Interval& value) {
-    return fmt::format("[{}, {}]", number_text(value.low), number_text(value.high));
+    return fmt::format("[{}, {}]", value.low, value.high);
 }
 
 std::optional<Count> ParamTraits<Count>::parse(const Value& value, ValueReader& reader) {

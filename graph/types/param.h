@@ -68,9 +68,9 @@ struct Shape {
         any_of
     };
     Kind kind = Kind::text;
-    std::vector<std::string> choices;  ///< of `choice`: the names
+    std::vector<std::string> choices = {};  ///< of `choice`: the names
     /// Of `list`, `map`, `automatic`: the shape of a value; of `any_of`: the alternatives.
-    std::vector<Shape> parts;
+    std::vector<Shape> parts = {};
     /// Of a map with fixed fields: name and shape of each; `parts` is then empty.
     std::vector<std::pair<std::string, Shape>> fields = {};
 };
@@ -110,19 +110,19 @@ struct ParamTraits;
 
 template <>
 struct ParamTraits<bool> {
-    static Shape shape() { return {Shape::Kind::boolean, {}, {}}; }
+    static Shape shape() { return {Shape::Kind::boolean}; }
     static std::optional<bool> parse(const Value& value, ValueReader& reader);
     static std::string text(bool value) { return value ? "true" : "false"; }
 };
 template <>
 struct ParamTraits<int> {
-    static Shape shape() { return {Shape::Kind::integer, {}, {}}; }
+    static Shape shape() { return {Shape::Kind::integer}; }
     static std::optional<int> parse(const Value& value, ValueReader& reader);
     static std::string text(int value) { return std::to_string(value); }
 };
 template <>
 struct ParamTraits<double> {
-    static Shape shape() { return {Shape::Kind::number, {}, {}}; }
+    static Shape shape() { return {Shape::Kind::number}; }
     static std::optional<double> parse(const Value& value, ValueReader& reader) {
         return reader.number(value, false);
     }
@@ -130,56 +130,58 @@ struct ParamTraits<double> {
 };
 template <>
 struct ParamTraits<float> {
-    static Shape shape() { return {Shape::Kind::number, {}, {}}; }
+    static Shape shape() { return {Shape::Kind::number}; }
     static std::optional<float> parse(const Value& value, ValueReader& reader);
     static std::string text(float value);
 };
 template <>
 struct ParamTraits<std::string> {
-    static Shape shape() { return {Shape::Kind::text, {}, {}}; }
+    static Shape shape() { return {Shape::Kind::text}; }
     static std::optional<std::string> parse(const Value& value, ValueReader& reader);
     static std::string text(const std::string& value) { return value; }
 };
 template <>
 struct ParamTraits<Vec3> {
-    static Shape shape() { return {Shape::Kind::vector, {}, {}}; }
+    static Shape shape() { return {Shape::Kind::vector}; }
     static std::optional<Vec3> parse(const Value& value, ValueReader& reader);
     static std::string text(const Vec3& value);
 };
 template <>
 struct ParamTraits<Interval> {
-    static Shape shape() { return {Shape::Kind::interval, {}, {}}; }
+    static Shape shape() { return {Shape::Kind::interval}; }
     static std::optional<Interval> parse(const Value& value, ValueReader& reader);
     static std::string text(const Interval& value);
 };
 template <>
 struct ParamTraits<Count> {
-    static Shape shape() { return {Shape::Kind::count, {}, {}}; }
+    static Shape shape() { return {Shape::Kind::count}; }
     static std::optional<Count> parse(const Value& value, ValueReader& reader);
     static std::string text(const Count& value);
 };
 template <>
 struct ParamTraits<InputPath> {
-    static Shape shape() { return {Shape::Kind::input_path, {}, {}}; }
+    static Shape shape() { return {Shape::Kind::input_path}; }
     static std::optional<InputPath> parse(const Value& value, ValueReader& reader);
     static std::string text(const InputPath& value) { return value.text(); }
 };
 template <>
 struct ParamTraits<OutputPath> {
-    static Shape shape() { return {Shape::Kind::output_path, {}, {}}; }
+    static Shape shape() { return {Shape::Kind::output_path}; }
     static std::optional<OutputPath> parse(const Value& value, ValueReader& reader);
     static std::string text(const OutputPath& value) { return value.text(); }
 };
 template <>
 struct ParamTraits<WrittenPath> {
-    static Shape shape() { return {Shape::Kind::output_path, {}, {}}; }
+    static Shape shape() { return {Shape::Kind::output_path}; }
     static std::optional<WrittenPath> parse(const Value& value, ValueReader& reader);
     static std::string text(const WrittenPath& value) { return value.text(); }
 };
 
 template <class T>
 struct ParamTraits<std::optional<T>> {
-    static Shape shape() { return {Shape::Kind::automatic, {}, {ParamTraits<T>::shape()}}; }
+    static Shape shape() {
+        return {.kind = Shape::Kind::automatic, .parts = {ParamTraits<T>::shape()}};
+    }
     static std::optional<std::optional<T>> parse(const Value& value, ValueReader& reader) {
         if (value.kind == Value::Kind::scalar && value.text == "auto")
             return std::optional<std::optional<T>>(std::in_place, std::nullopt);
@@ -194,7 +196,7 @@ struct ParamTraits<std::optional<T>> {
 
 template <class T>
 struct ParamTraits<std::vector<T>> {
-    static Shape shape() { return {Shape::Kind::list, {}, {ParamTraits<T>::shape()}}; }
+    static Shape shape() { return {.kind = Shape::Kind::list, .parts = {ParamTraits<T>::shape()}}; }
     static std::optional<std::vector<T>> parse(const Value& value, ValueReader& reader) {
         if (value.kind != Value::Kind::list)
             return reader.unwanted(value, to_text(shape())), std::nullopt;
@@ -213,7 +215,7 @@ struct ParamTraits<std::vector<T>> {
 
 template <class T>
 struct ParamTraits<std::map<std::string, T>> {
-    static Shape shape() { return {Shape::Kind::map, {}, {ParamTraits<T>::shape()}}; }
+    static Shape shape() { return {.kind = Shape::Kind::map, .parts = {ParamTraits<T>::shape()}}; }
     static std::optional<std::map<std::string, T>> parse(const Value& value, ValueReader& reader) {
         if (value.kind != Value::Kind::map)
             return reader.unwanted(value, to_text(shape())), std::nullopt;
@@ -235,7 +237,7 @@ template <class E>
 requires std::is_enum_v<E>
 struct ParamTraits<E> {
     static Shape shape() {
-        Shape out{Shape::Kind::choice, {}, {}};
+        Shape out{Shape::Kind::choice};
         for (const auto& [name, value] : ChoiceNames<E>::names) out.choices.emplace_back(name);
         return out;
     }

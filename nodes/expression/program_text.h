@@ -23,7 +23,7 @@ struct ProgramText {
 
 template <>
 struct ParamTraits<ProgramText> {
-    static Shape shape() { return {Shape::Kind::text, {}, {}}; }
+    static Shape shape() { return {Shape::Kind::text}; }
     static std::optional<ProgramText> parse(const Value& value, ValueReader& reader);
     static std::string text(const ProgramText& program) { return program.text; }
 };
@@ -34,8 +34,8 @@ using ProgramConstant = std::variant<double, Vec3>;
 template <>
 struct ParamTraits<ProgramConstant> {
     static Shape shape() {
-        return {
-            Shape::Kind::any_of, {}, {ParamTraits<double>::shape(), ParamTraits<Vec3>::shape()}};
+        return {.kind = Shape::Kind::any_of,
+                .parts = {ParamTraits<double>::shape(), ParamTraits<Vec3>::shape()}};
     }
     static std::optional<ProgramConstant> parse(const Value& value, ValueReader& reader);
     static std::string text(const ProgramConstant& value);

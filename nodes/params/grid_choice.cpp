@@ -24,13 +24,10 @@ bool parse_kind(const Value& value, ValueReader& reader, GridChoice& out) {
 
 Shape ParamTraits<GridChoice>::shape() {
     const auto kind = ParamTraits<GridKind>::shape();
-    return {Shape::Kind::any_of,
-            {},
-            {kind,
-             {Shape::Kind::map,
-              {},
-              {},
-              {{"name", ParamTraits<std::string>::shape()}, {"type", kind}}}}};
+    return {.kind = Shape::Kind::any_of,
+            .parts = {kind,
+                      {.kind = Shape::Kind::map,
+                       .fields = {{"name", ParamTraits<std::string>::shape()}, {"type", kind}}}}};
 }
 
 std::optional<GridChoice> ParamTraits<GridChoice>::parse(const Value& value, ValueReader& reader) {

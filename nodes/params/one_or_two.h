@@ -20,9 +20,8 @@ struct OneOrTwo {
 template <class T>
 struct ParamTraits<OneOrTwo<T>> {
     static Shape shape() {
-        return {Shape::Kind::any_of,
-                {},
-                {ParamTraits<T>::shape(), ParamTraits<std::vector<T>>::shape()}};
+        return {.kind = Shape::Kind::any_of,
+                .parts = {ParamTraits<T>::shape(), ParamTraits<std::vector<T>>::shape()}};
     }
     static std::optional<OneOrTwo<T>> parse(const Value& value, ValueReader& reader) {
         if (value.kind == Value::Kind::scalar) {

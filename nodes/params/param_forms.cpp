@@ -95,10 +95,9 @@ std::optional<WarpAmount> parse_curve(const Value& value, ValueReader& reader) {
 
 /// `[low, high]`, or a list of percentages, which are not numbers in YAML.
 Shape pair_or_percent() {
-    return {
-        Shape::Kind::any_of,
-        {},
-        {{Shape::Kind::interval, {}, {}}, {Shape::Kind::list, {}, {{Shape::Kind::text, {}, {}}}}}};
+    return {.kind = Shape::Kind::any_of,
+            .parts = {{Shape::Kind::interval},
+                      {.kind = Shape::Kind::list, .parts = {{Shape::Kind::text}}}}};
 }
 
 void unwanted_pair(const Value& value, ValueReader& reader, const std::string& form) {
@@ -132,9 +131,9 @@ std::optional<Pair> parse_pair(const Value& value, ValueReader& reader, const st
 }  // namespace
 
 Shape ParamTraits<Anchor>::shape() {
-    return {Shape::Kind::any_of,
-            {},
-            {{Shape::Kind::choice, {"low", "middle", "high"}, {}}, {Shape::Kind::integer, {}, {}}}};
+    return {.kind = Shape::Kind::any_of,
+            .parts = {{.kind = Shape::Kind::choice, .choices = {"low", "middle", "high"}},
+                      {Shape::Kind::integer}}};
 }
 
 std::optional<Anchor> ParamTraits<Anchor>::parse(const Value& value, ValueReader& reader) {
@@ -191,7 +190,7 @@ std::string ParamTraits<VertexRange>::text(const VertexRange& range) { return to
 
 Shape ParamTraits<PairRanges>::shape() {
     auto out = ParamTraits<VertexRange>::shape();
-    out.parts.push_back({Shape::Kind::list, {}, {ParamTraits<VertexRange>::shape()}});
+    out.parts.push_back({.kind = Shape::Kind::list, .parts = {ParamTraits<VertexRange>::shape()}});
     return out;
 }
 
@@ -214,15 +213,15 @@ std::string ParamTraits<PairRanges>::text(const PairRanges& ranges) { return to_
 
 Shape ParamTraits<WarpAmount>::shape() {
     // A percentage is not a number in YAML.
-    const Shape length{
-        Shape::Kind::any_of, {}, {{Shape::Kind::number, {}, {}}, {Shape::Kind::text, {}, {}}}};
-    const Shape point{Shape::Kind::list, {}, {length}},
-        factor{Shape::Kind::list, {}, {{Shape::Kind::number, {}, {}}}};
-    Shape curve{Shape::Kind::map, {}, {}};
+    const Shape length{.kind = Shape::Kind::any_of,
+                       .parts = {{Shape::Kind::number}, {Shape::Kind::text}}};
+    const Shape point{.kind = Shape::Kind::list, .parts = {length}},
+        factor{.kind = Shape::Kind::list, .parts = {{Shape::Kind::number}}};
+    Shape curve{Shape::Kind::map};
     curve.fields = {{"along", ParamTraits<WarpAmount::Along>::shape()},
-                    {"at", {Shape::Kind::list, {}, {point}}},
-                    {"over", {Shape::Kind::list, {}, {factor}}}};
-    return {Shape::Kind::any_of, {}, {length.parts[0], length.parts[1], curve}};
+                    {"at", {.kind = Shape::Kind::list, .parts = {point}}},
+                    {"over", {.kind = Shape::Kind::list, .parts = {factor}}}};
+    return {.kind = Shape::Kind::any_of, .parts = {length.parts[0], length.parts[1], curve}};
 }
 
 std::optional<WarpAmount> ParamTraits<WarpAmount>::parse(const Value& value, ValueReader& reader) {

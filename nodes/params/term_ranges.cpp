@@ -17,7 +17,7 @@ using Each = ParamTraits<std::vector<Auto<Interval>>>;
 }  // namespace
 
 Shape ParamTraits<TermRanges>::shape() {
-    return {Shape::Kind::any_of, {}, {One::shape(), Each::shape()}};
+    return {.kind = Shape::Kind::any_of, .parts = {One::shape(), Each::shape()}};
 }
 
 std::optional<TermRanges> ParamTraits<TermRanges>::parse(const Value& value, ValueReader& reader) {

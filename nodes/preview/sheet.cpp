@@ -51,7 +51,7 @@ template <class E>
 struct ParamTraits<Several<E>> {
     using List = ParamTraits<std::vector<E>>;
     static Shape shape() {
-        return {Shape::Kind::any_of, {}, {ParamTraits<E>::shape(), List::shape()}};
+        return {.kind = Shape::Kind::any_of, .parts = {ParamTraits<E>::shape(), List::shape()}};
     }
     static std::optional<Several<E>> parse(const Value& value, ValueReader& reader) {
         if (value.kind == Value::Kind::scalar) {

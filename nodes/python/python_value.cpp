@@ -25,9 +25,9 @@ nlohmann::json PythonValue::json() const {
 }
 
 Shape ParamTraits<PythonValue>::shape() {
-    const Shape number{Shape::Kind::number, {}, {}}, truth{Shape::Kind::boolean, {}, {}},
-        text{Shape::Kind::text, {}, {}};
-    return {Shape::Kind::any_of, {}, {number, truth, text, {Shape::Kind::list, {}, {text}}}};
+    const Shape number{Shape::Kind::number}, truth{Shape::Kind::boolean}, text{Shape::Kind::text};
+    return {.kind = Shape::Kind::any_of,
+            .parts = {number, truth, text, {.kind = Shape::Kind::list, .parts = {text}}}};
 }
 
 std::optional<PythonValue> ParamTraits<PythonValue>::parse(const Value& value,
