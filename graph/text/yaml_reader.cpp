@@ -63,7 +63,7 @@ public:
         if (found == anchors_.end())
             fail(place(mark), "this alias is part of the value that it refers to");
         count(place(mark), found->second.size, found->second.value.text_bytes());
-        add(Value(found->second.value));
+        put(Value(found->second.value));
     }
 
     void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
@@ -94,7 +94,7 @@ private:
     Mark place(const YAML::Mark& mark) const { return {source_, mark.line + 1, mark.column + 1}; }
 
     [[noreturn]] void fail(const Mark& at, const std::string& message) {
-        problems_.push_back({at, message, {}, {}});
+        add(problems_, at, message);
         throw Stop{};
     }
 
@@ -123,16 +123,17 @@ private:
         open_.pop_back();
         if (done.anchor != YAML::NullAnchor)
             anchors_[done.anchor] = {done.value, values_ - done.first_value};
-        add(std::move(done.value));
+        put(std::move(done.value));
     }
 
     void finish(Value value, YAML::anchor_t anchor) {
         count(value.mark, 1, value.text.size());
         if (anchor != YAML::NullAnchor) anchors_[anchor] = {value, 1};
-        add(std::move(value));
+        put(std::move(value));
     }
 
-    void add(Value value) {
+    /// Puts a whole value into the innermost list or map that is open; else it is the root.
+    void put(Value value) {
         if (open_.empty()) {
             root_ = std::move(value);
             return;
@@ -147,9 +148,9 @@ private:
         } else {
             if (const auto [first, fresh] = parent.seen.emplace(parent.key->text, parent.key->mark);
                 !fresh)
-                problems_.push_back({parent.key->mark,
-                                     fmt::format("'{}' is stated twice", parent.key->text),
-                                     first->second, "first stated here"});
+                add(problems_, parent.key->mark,
+                    fmt::format("'{}' is stated twice", parent.key->text), first->second,
+                    "first stated here");
             else
                 parent.value.fields.push_back(
                     {parent.key->text, parent.key->mark, std::move(value)});
@@ -171,18 +172,15 @@ private:
 Value read_yaml(const std::shared_ptr<const Source>& source, Problems& problems, TextRoom& room) {
     const Mark whole{source, 0, 0};
     if (source->text.size() > most_yaml_bytes) {
-        problems.push_back(
-            {whole,
-             fmt::format("the file holds more than {} MiB: not a pipeline", most_yaml_bytes >> 20),
-             {},
-             {}});
+        add(problems, whole,
+            fmt::format("the file holds more than {} MiB: not a pipeline", most_yaml_bytes >> 20));
         return {};
     }
     const auto binary = [](unsigned char c) {
         return c < 0x20 && c != '\t' && c != '\n' && c != '\r';
     };
     if (std::ranges::any_of(source->text, binary)) {
-        problems.push_back({whole, "binary data: a pipeline is a text in UTF-8", {}, {}});
+        add(problems, whole, "binary data: a pipeline is a text in UTF-8");
         return {};
     }
     Builder builder(source, problems, room);
@@ -194,15 +192,12 @@ Value read_yaml(const std::shared_ptr<const Source>& source, Problems& problems,
         TextRoom other;
         Builder second(source, ignored, other);
         if (parser.HandleNextDocument(second))
-            problems.push_back(
-                {whole, "a second YAML document follows; a pipeline file holds one", {}, {}});
+            add(problems, whole, "a second YAML document follows; a pipeline file holds one");
     } catch (const Stop&) {
         return {};
     } catch (const YAML::Exception& error) {
-        problems.push_back({{source, error.mark.line + 1, error.mark.column + 1},
-                            "not YAML: " + error.msg,
-                            {},
-                            {}});
+        add(problems, {source, error.mark.line + 1, error.mark.column + 1},
+            "not YAML: " + error.msg);
         return {};
     }
     return builder.take();

@@ -204,24 +204,22 @@ void load_plugins(const Value& paths, const PluginTrust& trust, Registry& regist
                   PluginFiles& files, Problems& problems) {
     for (const auto& path : paths.items) {
         if (path.kind != Value::Kind::scalar) continue;
-        const auto add = [&](const std::string& message) {
-            problems.push_back({path.mark, message, {}, {}});
-        };
+        const auto refuse = [&](const std::string& message) { add(problems, path.mark, message); };
         std::vector<std::string> looked;
         const auto file = find_file(path, trust, looked);
         if (!file) {
-            add(fmt::format("there is no plugin {}: no file {}; build it, or correct the path",
-                            path.text, fmt::join(looked, ", ")));
+            refuse(fmt::format("there is no plugin {}: no file {}; build it, or correct the path",
+                               path.text, fmt::join(looked, ", ")));
         } else if (const auto outside = Confinement::of_program().refusal(file->string());
                    !outside.empty()) {
-            add(fmt::format("the plugin {} is not loaded: it {}", path.text, outside));
+            refuse(fmt::format("the plugin {} is not loaded: it {}", path.text, outside));
         } else if (const auto why = refusal(path.text, *file, trust); !why.empty()) {
-            add(why);
+            refuse(why);
         } else {
             try {
                 load_plugin(file->string(), registry, files);
             } catch (const Failure& failure) {
-                add(failure.what());
+                refuse(failure.what());
             }
         }
     }

@@ -107,8 +107,7 @@ void ValueReader::unwanted(const Value& value, const std::string& form) {
 }
 
 void ValueReader::fault(const Value& value, const std::string& message) {
-    if (value.kind != Value::Kind::unresolved)
-        problems_.push_back({value.mark, what_ + " " + message, {}, {}});
+    if (value.kind != Value::Kind::unresolved) add(problems_, value.mark, what_ + " " + message);
 }
 
 std::optional<double> ValueReader::number(const Value& value, bool whole) {
