@@ -2,7 +2,7 @@
 
 #include "carve/base/failure.h"
 #include "formats/file/confinement.h"
-#include "graph/types/frame_files.h"
+#include "formats/file/frame_files.h"
 
 #include <fmt/format.h>
 

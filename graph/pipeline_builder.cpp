@@ -6,7 +6,6 @@
 #include "graph/old_files.h"
 #include "graph/outlooks.h"
 #include "graph/promises.h"
-#include "graph/types/frame_files.h"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,10 @@
 #include "carve/base/frame_set.h"
+#include "carve/base/words.h"
 #include "formats/file/confinement.h"
 #include "formats/file/full_path.h"
 #include "formats/file/path_pattern.h"
 #include "graph/file_claims.h"
 #include "graph/pipeline_builder.h"
-#include "graph/types/frame_files.h"
 
 #include <fmt/format.h>
 

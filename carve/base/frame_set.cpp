@@ -170,6 +170,16 @@ std::string FrameSet::in_words() const {
     return (frames_.size() == 1 ? "frame " : "frames ") + text();
 }
 
+std::string staggered_note(std::string_view frames) {
+    if (frames.find(':') == std::string_view::npos) return {};
+    auto stepped = std::string(frames);
+    std::ranges::replace(stepped, ':', 'x');
+    return fmt::format(
+        "{} names all of the frames, as on a farm, where a colon only changes their order; every "
+        "n-th frame is {}",
+        frames, stepped);
+}
+
 std::vector<int> even_frames(int first, int step, double count) {
     if (!(count <= static_cast<double>(FrameSet::most_frames)))
         throw Failure(fmt::format("that makes {:.0f} frames; a million are the most", count));

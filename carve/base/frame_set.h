@@ -34,6 +34,10 @@ private:
     std::vector<int> frames_;
 };
 
+/// Explains a frame set with a colon to users who take it for a step: "1-10:2 names all of the
+/// frames, ..."; empty if it has no colon.
+std::string staggered_note(std::string_view frames);
+
 /// Frame numbers in even steps.
 /// @param count  whole, perhaps too many
 /// @throws Failure if there are more than FrameSet::most_frames, or numbers beyond int

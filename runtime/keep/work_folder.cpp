@@ -40,7 +40,7 @@ bool is_hex(std::string_view text, std::size_t length) {
 }
 
 /// Regular files below a folder, links not followed. @param depth  folders between it and the files
-std::vector<fs::path> files_in(const fs::path& folder, int depth) {
+std::vector<fs::path> plain_files(const fs::path& folder, int depth) {
     std::vector<fs::path> out;
     std::error_code error;
     if (fs::symlink_status(folder, error).type() != fs::file_type::directory) return out;
@@ -49,7 +49,7 @@ std::vector<fs::path> files_in(const fs::path& folder, int depth) {
         const auto type = each->symlink_status(error).type();
         if (depth > 0 && type == fs::file_type::directory &&
             is_hex(each->path().filename().string(), 2))
-            for (auto& file : files_in(each->path(), depth - 1)) out.push_back(std::move(file));
+            for (auto& file : plain_files(each->path(), depth - 1)) out.push_back(std::move(file));
         if (depth == 0 && type == fs::file_type::regular) out.push_back(each->path());
     }
     return out;
@@ -57,48 +57,51 @@ std::vector<fs::path> files_in(const fs::path& folder, int depth) {
 
 /// Files named by a key (Hash::path); temporary files are not.
 std::vector<fs::path> hashed_files(const fs::path& folder) {
-    auto out = files_in(folder, 1);
+    auto out = plain_files(folder, 1);
     std::erase_if(out, [](const fs::path& file) { return !is_hex(file.filename().string(), 30); });
     return out;
 }
 
 /// Files with the name of a pack.
 std::vector<fs::path> pack_files(const fs::path& folder) {
-    auto out = files_in(folder, 0);
+    auto out = plain_files(folder, 0);
     std::erase_if(out,
                   [](const fs::path& file) { return !Packs::is_name(file.filename().string()); });
     return out;
 }
 
 std::vector<fs::path> temporary_files(const fs::path& folder) {
-    auto out = files_in(folder, 1);
-    for (auto& file : files_in(folder, 0)) out.push_back(std::move(file));
+    auto out = plain_files(folder, 1);
+    for (auto& file : plain_files(folder, 0)) out.push_back(std::move(file));
     std::erase_if(
         out, [](const fs::path& file) { return !OutputFile::is_aside(file.filename().string()); });
     return out;
 }
 
-/// Whether a file is of the form of History (`history`) or StatusFile (`runs`).
-bool is_record(const fs::path& file, bool run) {
+/// Whether a file is of the form of StatusFile.
+bool is_status(const fs::path& file) {
     if (file.extension() != ".json") return false;
-    const auto record = json_of_own_file(file);
-    if (!record.is_object()) return false;
-    if (run)
-        return record.contains("pid") && record.contains("host") && record.contains("pipeline") &&
-               record.contains("nodes");
-    return std::ranges::all_of(record, [](const auto& node) {
-        return node.is_object() && node.contains("type") && node.contains("version");
-    });
+    const auto status = json_of_own_file(file);
+    return status.is_object() && status.contains("pid") && status.contains("host") &&
+           status.contains("pipeline") && status.contains("nodes");
+}
+
+/// Whether a file is of the form of History.
+bool is_history(const fs::path& file) {
+    if (file.extension() != ".json") return false;
+    const auto nodes = json_of_own_file(file);
+    return nodes.is_object() && std::ranges::all_of(nodes, [](const auto& node) {
+               return node.is_object() && node.contains("type") && node.contains("version");
+           });
 }
 
 /// Files that fluidcarve wrote into the folder of a farm's job: records of its tasks, logs of the
 /// local engine, which begin with a command, and the job, which comes last.
 std::vector<fs::path> files_of_job(const fs::path& folder) {
     std::vector<fs::path> out;
-    for (const auto& file : files_in(folder / "tasks", 0))
-        if (is_record(file, true) || OutputFile::is_aside(file.filename().string()))
-            out.push_back(file);
-    for (const auto& file : files_in(folder / "logs", 0))
+    for (const auto& file : plain_files(folder / "tasks", 0))
+        if (is_status(file) || OutputFile::is_aside(file.filename().string())) out.push_back(file);
+    for (const auto& file : plain_files(folder / "logs", 0))
         if (file.extension() == ".log" && begins_with(file, "$ ")) out.push_back(file);
     const auto job = json_of_own_file(folder / "job.json");
     if (job.is_object() && job.contains("pipeline") && job.contains("engine") &&
@@ -235,9 +238,10 @@ std::vector<fs::path> WorkFolder::own_files() const {
         if (is_entry(file)) ours.push_back(file);
     for (const auto& file : pack_files(root / "files"))
         if (Packs::is_pack(file)) ours.push_back(file);
-    for (const auto* const part : {"history", "runs"})
-        for (const auto& file : files_in(root / part, 0))
-            if (is_record(file, part == std::string_view("runs"))) ours.push_back(file);
+    for (const auto& file : plain_files(root / "history", 0))
+        if (is_history(file)) ours.push_back(file);
+    for (const auto& file : plain_files(root / "runs", 0))
+        if (is_status(file)) ours.push_back(file);
     std::error_code none;
     if (fs::symlink_status(root / "jobs", none).type() == fs::file_type::directory)
         for (const auto& job : fs::directory_iterator(root / "jobs", none))

@@ -1,6 +1,5 @@
 #include "graph/frames_of_inputs.h"
 #include "graph/build_pipeline.h"
-#include "graph/types/frame_files.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -70,24 +69,4 @@ TEST_CASE("files from before do not matter to a pipeline whose writer has faults
                                   "fluidcarve: 1\nnodes:\n  n: {type: toy.count, path: a.##}\n  s: "
                                   "{type: toy.save, value: n, path: '${gone}'}\n"),
                Catch::Contains("gone"));
-}
-
-TEST_CASE("numbers that outgrow their token, and those below zero, are frames like others") {
-    const Scratch scratch;
-    for (const std::string name :
-         {"a.998.vdb", "a.999.vdb", "a.1000.vdb", "a.1001.vdb", "b.9999.vdb", "b.10000.vdb",
-          "b.10001.vdb", "c.-002.vdb", "c.-001.vdb", "c.0000.vdb", "c.0001.vdb"})
-        scratch.write(name, "");
-    const auto there = [&](const std::string& path) {
-        return frames_there(PathPattern(scratch / path))->text();
-    };
-    CHECK(there("a.###.vdb") == "998-1001");
-    CHECK(there("b.####.vdb") == "9999-10001");
-    CHECK(there("c.####.vdb") == "-2-1");
-    CHECK(PathPattern("a.###.vdb").at(1002) == "a.1002.vdb");
-    CHECK(PathPattern("c.####.vdb").at(-1) == "c.-001.vdb");
-    // Too few digits for the token.
-    CHECK(there("a.####.vdb") == "1000,1001");
-    CHECK(odd_frames_there(PathPattern(scratch / "a.####.vdb")) ==
-          std::vector<std::string>{"a.998.vdb", "a.999.vdb"});
 }

@@ -1,7 +1,7 @@
 #include "tools/reading/sequences.h"
 
 #include "carve/base/failure.h"
-#include "graph/types/frame_files.h"
+#include "formats/file/frame_files.h"
 
 #include <fmt/format.h>
 

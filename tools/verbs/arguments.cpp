@@ -4,7 +4,6 @@
 #include "formats/file/confinement.h"
 #include "formats/file/full_path.h"
 #include "graph/provenance.h"
-#include "graph/types/frame_files.h"
 #include "runtime/keep/work_folder.h"
 #include "runtime/run/status.h"
 #include "runtime/tell/terminal.h"

@@ -18,10 +18,6 @@ std::vector<std::string> files_in(const std::string& folder);
 /// @throws Failure (input) if the folder can't be read
 std::optional<FrameSet> frames_there(const PathPattern& path);
 
-/// Explains a frame set with a colon to users who take it for a step: "1-10:2 names all of the
-/// frames, ..."; empty if it has no colon.
-std::string staggered_note(std::string_view frames);
-
 /// Names of files that look like frames of a path with frame tokens, but are not: half frames such
 /// as 1001.5, or numbers with other digits. At most three.
 std::vector<std::string> odd_frames_there(const PathPattern& path);

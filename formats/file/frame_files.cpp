@@ -1,4 +1,4 @@
-#include "graph/types/frame_files.h"
+#include "formats/file/frame_files.h"
 
 #include "carve/base/failure.h"
 
@@ -61,16 +61,6 @@ std::optional<FrameSet> frames_there(const PathPattern& path) {
         if (frame) frames.push_back(*frame);
     };
     return visit_files(path, add) ? std::optional(FrameSet(std::move(frames))) : std::nullopt;
-}
-
-std::string staggered_note(std::string_view frames) {
-    if (frames.find(':') == std::string_view::npos) return {};
-    auto stepped = std::string(frames);
-    std::ranges::replace(stepped, ':', 'x');
-    return fmt::format(
-        "{} names all of the frames, as on a farm, where a colon only changes their order; every "
-        "n-th frame is {}",
-        frames, stepped);
 }
 
 std::vector<std::string> odd_frames_there(const PathPattern& path) {
