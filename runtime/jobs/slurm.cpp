@@ -5,6 +5,7 @@
 #include "carve/base/words.h"
 #include "formats/file/full_path.h"
 #include "graph/text/shell_word.h"
+#include "runtime/jobs/slurm_texts.h"
 #include "runtime/tell/exit_codes.h"
 #include "runtime/tell/terminal.h"
 
@@ -26,102 +27,10 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t mebibyte = 1024 * 1024;
 
-/// What a task's script does after it has set `chunks`, `command` and `folder`.
-constexpr const char* task_script = R"sh(
-chunk=${chunks[$1 + SLURM_ARRAY_TASK_ID]}
-export FLUIDCARVE_THREADS=${FLUIDCARVE_THREADS:-${SLURM_CPUS_PER_TASK:-$(nproc)}}
-
-# The program runs beside this shell, which hears signals: SIGUSR1 a minute before the time limit,
-# SIGTERM when the job is cancelled. SIGTERM reaches the program without help.
-late=
-stopped=
-trap 'late=yes; kill -TERM "$program"' USR1
-trap 'stopped=yes' TERM
-
-if ! cd -- "$folder"; then
-    echo "$SLURMD_NODENAME does not see $folder; put the project where all machines see it" >&2
-    exit 3
-fi
-"${command[@]}" ${chunk:+"$chunk"} &
-program=$!
-wait "$program"
-code=$?
-# A signal ends the first wait, not the program.
-if [ -n "$late$stopped" ]; then
-    wait "$program"
-    code=$?
-fi
-[ $code -ne 0 ] || exit 0
-
-# Another start finds what is done already. It helps against a short time limit and what passes,
-# such as a full disk; not against wrong usage.
-starts=$((${SLURM_RESTART_COUNT:-0} + 1))
-if { [ -n "$late" ] && [ $starts -lt 20 ]; } ||
-    { [ -z "$stopped" ] && [ $code -ne 2 ] && [ $starts -lt 3 ]; }; then
-    echo "start $starts ended with code $code; the next one follows" >&2
-    # The request itself ends this start by a SIGTERM, which must not end the request.
-    trap '' TERM
-    scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID" && exit $code
-fi
-echo "ended with code $code; what waits for it is cancelled. Submit the job again to continue" >&2
-exit $code
-)sh";
-
-/// What `submit` does after it has set `name` and `status`, before its calls of `step`.
-constexpr const char* submit_script = R"sh(
-here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
-for program in sbatch scancel squeue; do
-    if ! command -v "$program" >/dev/null; then
-        echo "submit: there is no $program; run this where Slurm is installed." \
-            "Nothing is submitted" >&2
-        exit 2
-    fi
-done
-if [ -e "$here/jobs" ]; then
-    queued=$(squeue --noheader --format=%F --jobs="$(paste -sd, "$here/jobs")" 2>/dev/null |
-        sort -u | paste -sd' ') || true
-    if [ -n "$queued" ]; then
-        echo "submit: this job is queued already; \`scancel $queued\` first." \
-            "Nothing is submitted" >&2
-        exit 2
-    fi
-fi
-mkdir -p -- "$here/logs"
-
-options=("$@")
-ids=()
-# All of it is submitted, or nothing.
-trap '[ ${#ids[@]} -eq 0 ] || scancel "${ids[@]}"
-echo "submit: failed; nothing is submitted" >&2' EXIT
-
-# step STEP TASKS [NEEDED_STEP...]: an array of at most 1000 tasks for each 1000, since Slurm's
-# MaxArraySize is 1001 unless it is set.
-declare -A jobs
-step() {
-    local step=$1 tasks=$2 needed first most id after=
-    shift 2
-    for needed; do after+=${jobs[$needed]}; done
-    for ((first = 0; first < tasks; first += 1000)); do
-        most=$((tasks - first < 1000 ? tasks - first : 1000))
-        id=$(sbatch --parsable --array="0-$((most - 1))" ${after:+--dependency="afterok$after"} \
-            --job-name="$name.$step" --output="${here//%/%%}/logs/$step.%A_%a.log" \
-            "${options[@]}" "$here/$step.sbatch" "$first")
-        ids+=("${id%%;*}")
-        jobs[$step]+=:${id%%;*}
-    done
+/// A part of a script (slurm_texts) behind an empty line.
+std::string script_part(std::string_view name) {
+    return fmt::format("\n{}", slurm_texts().at(name));
 }
-
-)sh";
-
-/// What `submit` does after its calls of `step`.
-constexpr const char* submitted_script = R"sh(
-trap - EXIT
-printf '%s\n' "${ids[@]}" >"$here/jobs"
-echo "submitted: ${ids[*]}"
-echo "how far:   $status"
-echo "logs:      $here/logs"
-echo "cancel:    scancel ${ids[*]}"
-)sh";
 
 /// The purpose of a step, and its number of tasks, as a comment.
 std::string comment_of(const FarmStep& step) {
@@ -152,7 +61,7 @@ std::string step_script(const FarmJob& job, const FarmStep& step) {
     for (const auto& task : step.tasks)
         out += "    " + (step.chunked ? "--frames=" + task.text() : std::string("''")) + "\n";
     out += fmt::format(")\ncommand=({})\n", shell_line(command_of(job, step, {})));
-    return out + fmt::format("folder={}\n", shell_word(job.folder)) + task_script;
+    return out + fmt::format("folder={}\n", shell_word(job.folder)) + script_part("slurm_task.sh");
 }
 
 std::string submit_program(const FarmJob& job) {
@@ -165,11 +74,11 @@ std::string submit_program(const FarmJob& job) {
     status.insert(status.end(), {job.executable, "status", "--work", job.work});
     out +=
         fmt::format("name={}\nstatus={}\n", shell_word(job.name), shell_word(shell_line(status))) +
-        submit_script;
+        script_part("slurm_submit.sh") + "\n";
     for (const auto& step : job.steps)
         out += fmt::format("step {} {}{}{}\n", step.name, step.tasks.size(),
                            step.needs.empty() ? "" : " ", fmt::join(step.needs, " "));
-    return out + submitted_script;
+    return out + script_part("slurm_submitted.sh");
 }
 
 /// Whether a program of this name is in PATH.
