@@ -3,6 +3,7 @@
 #include "runtime/tell/exit_codes.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include <sstream>
@@ -56,9 +57,7 @@ std::vector<std::string> choices(const CLI::Option& option) {
 }
 
 std::string joined(const std::vector<std::string>& words) {
-    std::string out;
-    for (const auto& word : words) out += (out.empty() ? "" : " ") + word;
-    return out;
+    return fmt::format("{}", fmt::join(words, " "));
 }
 
 std::vector<std::string> flags_of(const CLI::App& app) {
