@@ -22,6 +22,13 @@ std::vector<std::size_t> nodes_read_by(const Node& node) {
     return out;
 }
 
+/// Whether a node reads a file for each frame.
+bool reads_frames(const Node& node) {
+    return node.params && std::ranges::any_of(node.type->params, [&](const ParamSpec& param) {
+               return param.reads_file() && param.path(node.params.get()).per_frame();
+           });
+}
+
 }  // namespace
 
 Pipeline PipelineBuilder::build() {
@@ -206,7 +213,7 @@ void PipelineBuilder::report_cycle(std::vector<std::size_t> nodes) {
 void PipelineBuilder::infer_rates() {
     for (auto& [node, value, references, unsure] : nodes_) {
         auto inputs = Rate::fixed;
-        bool differ = false;  // inputs from frame to frame, and outputs by them
+        bool inputs_differ = false;  // from frame to frame, except those that are summed
         unsure = !node.params;
         for (std::size_t n = 0; n < references.size(); ++n)
             unsure = unsure || references[n].size() != node.inputs[n].size();
@@ -215,25 +222,26 @@ void PipelineBuilder::infer_rates() {
                 const auto rate = nodes_[link.node].node.rate;
                 unsure = unsure || nodes_[link.node].unsure;
                 node.per_frame_input = node.per_frame_input || rate == Rate::frame;
-                differ = differ || (rate == Rate::frame && !node.type->inputs[n].summed);
+                inputs_differ =
+                    inputs_differ || (rate == Rate::frame && !node.type->inputs[n].summed);
                 inputs = std::max(inputs, rate);
             }
         node.gathers = node.params && node.type->gathers(node.params.get());
+        const bool reads = reads_frames(node);
+        bool from_sequence = reads;
+        for (const auto& link : node.links())
+            from_sequence = from_sequence || sequences_.contains(nodes_[link.node].node.name);
+        if (from_sequence) sequences_.insert(node.name);
+
         const bool animates =
             node.params && node.type->animates && node.type->animates(node.params.get());
         // A node that gathers can only tell frames apart by its inputs.
-        bool reads = false, moves = animates && (!node.gathers || node.per_frame_input);
-        if (node.params)
-            for (const auto& spec : node.type->params)
-                reads = reads || (spec.reads_file() && spec.path(node.params.get()).per_frame());
-        moves = moves || reads;
-        for (const auto& link : node.links())
-            reads = reads || sequences_.contains(nodes_[link.node].node.name);
-        if (reads) sequences_.insert(node.name);
-        const bool once = !node.type->per_frame_outputs ||
-                          (node.gathers && (!differ || (node.type->animates && !animates)));
+        const bool moves = reads || (animates && (!node.gathers || node.per_frame_input));
+        const bool one_result =
+            !node.type->per_frame_outputs ||
+            (node.gathers && (!inputs_differ || (node.type->animates && !animates)));
         if (moves) node.rate = Rate::frame;
-        else if (node.per_frame_input && once) node.rate = Rate::sequence;
+        else if (node.per_frame_input && one_result) node.rate = Rate::sequence;
         else node.rate = inputs;
     }
 }
