@@ -92,24 +92,38 @@ public:
     using Params = typename detail::ParamsOf<Node>::type;
     using Ports = typename Node::Ports;
 
+// Takes a static hook of the node over into its type, if there is one of this name.
+#define FLUIDCARVE_TAKE_HOOK(hook, signature)                  \
+    if constexpr (detail::has_##hook<Node>) {                  \
+        static_assert(                                         \
+            requires { type_.hook = on_params(&Node::hook); }, \
+            "`" #hook "` must be `" signature "`");            \
+        type_.hook = on_params(&Node::hook);                   \
+    }
+
     Declare(std::string name, std::string doc) {
         type_.name = std::move(name);
         type_.doc = std::move(doc);
         type_.make_params = [] { return std::make_shared<Params>(); };
         type_.per_frame_outputs = has_run;
-        if constexpr (has_add && detail::has_gathers<Node>)
-            type_.gathers = on_params(&Node::gathers);
-        else type_.gathers = [](const void*) { return has_add; };
-        if constexpr (detail::has_wants<Node>) type_.wants = on_params(&Node::wants);
-        if constexpr (detail::has_animates<Node>) type_.animates = on_params(&Node::animates);
-        if constexpr (detail::has_retimes<Node>) type_.retimes = on_params(&Node::retimes);
-        if constexpr (detail::has_check<Node>) type_.check = on_params(&Node::check);
-        if constexpr (detail::has_survey<Node>) type_.survey = on_params(&Node::survey);
-        if constexpr (detail::has_foresee<Node>) type_.foresee = on_params(&Node::foresee);
-        if constexpr (detail::has_conclude<Node>) type_.conclude = on_params(&Node::conclude);
-        if constexpr (detail::has_depends<Node>) type_.depends = on_params(&Node::depends);
+        FLUIDCARVE_TAKE_HOOK(gathers, "static bool gathers(const Params&)");
+        if constexpr (!has_add || !detail::has_gathers<Node>)
+            type_.gathers = [](const void*) { return has_add; };
+        FLUIDCARVE_TAKE_HOOK(wants, "static bool wants(const Params&, const Context&)");
+        FLUIDCARVE_TAKE_HOOK(animates, "static bool animates(const Params&)");
+        FLUIDCARVE_TAKE_HOOK(
+            retimes, "static std::vector<int> retimes(const Params&, const std::vector<int>&)");
+        FLUIDCARVE_TAKE_HOOK(check, "static void check(const Params&, NodeCheck&)");
+        FLUIDCARVE_TAKE_HOOK(survey, "static void survey(const Params&, Survey&)");
+        FLUIDCARVE_TAKE_HOOK(foresee, "static void foresee(const Params&, Outlook&)");
+        FLUIDCARVE_TAKE_HOOK(
+            conclude,
+            "static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&)");
+        FLUIDCARVE_TAKE_HOOK(depends, "static FurtherDependencies depends(const Params&)");
         type_.bind = &bind;
     }
+
+#undef FLUIDCARVE_TAKE_HOOK
 
     template <class M, class P>
     requires std::derived_from<Ports, P> Declare& input(std::string name, M P::*member,
@@ -323,44 +337,6 @@ private:
             },
         "`resume` must be `void resume(const Payload& result, const nlohmann::ordered_json& "
         "entry)`");
-    static_assert(
-        !detail::has_gathers<Node> ||
-            requires(NodeType type) { type.gathers = on_params(&Node::gathers); },
-        "`gathers` must be `static bool gathers(const Params&)`");
-    static_assert(
-        !detail::has_wants<Node> ||
-            requires(NodeType type) { type.wants = on_params(&Node::wants); },
-        "`wants` must be `static bool wants(const Params&, const Context&)`");
-    static_assert(
-        !detail::has_animates<Node> ||
-            requires(NodeType type) { type.animates = on_params(&Node::animates); },
-        "`animates` must be `static bool animates(const Params&)`");
-    static_assert(
-        !detail::has_retimes<Node> ||
-            requires(NodeType type) { type.retimes = on_params(&Node::retimes); },
-        "`retimes` must be `static std::vector<int> retimes(const Params&, const "
-        "std::vector<int>&)`");
-    static_assert(
-        !detail::has_check<Node> ||
-            requires(NodeType type) { type.check = on_params(&Node::check); },
-        "`check` must be `static void check(const Params&, NodeCheck&)`");
-    static_assert(
-        !detail::has_survey<Node> ||
-            requires(NodeType type) { type.survey = on_params(&Node::survey); },
-        "`survey` must be `static void survey(const Params&, Survey&)`");
-    static_assert(
-        !detail::has_foresee<Node> ||
-            requires(NodeType type) { type.foresee = on_params(&Node::foresee); },
-        "`foresee` must be `static void foresee(const Params&, Outlook&)`");
-    static_assert(
-        !detail::has_conclude<Node> ||
-            requires(NodeType type) { type.conclude = on_params(&Node::conclude); },
-        "`conclude` must be `static void conclude(const Params&, const nlohmann::ordered_json& "
-        "frames, Context&)`");
-    static_assert(
-        !detail::has_depends<Node> ||
-            requires(NodeType type) { type.depends = on_params(&Node::depends); },
-        "`depends` must be `static FurtherDependencies depends(const Params&)`");
 
     template <class T, class P>
     static ParamSpec make_param(std::string name, T P::*member, Unit unit, Range range,
