@@ -24,7 +24,7 @@ public:
     History(const std::string& folder, const std::string& pipeline);
 
     bool on() const { return !path_.empty(); }
-    /// The last state of a node: {"type", "version", "params", "rests", "inputs", "files",
+    /// The last state of a node: {"type", "version", "params", "rest"?, "inputs", "files",
     /// "plugin"?, "costs"?}; null if unknown.
     const nlohmann::json& state(const std::string& node) const;
     /// The present state of a node, in the form of `state` but without cost.
