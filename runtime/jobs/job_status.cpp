@@ -8,6 +8,7 @@
 #include "runtime/keep/work_folder.h"
 #include "runtime/run/forecast.h"
 #include "runtime/run/status.h"
+#include "runtime/run/task.h"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include "formats/file/input_file.h"
 #include "formats/file/output_file.h"
 #include "graph/text/shell_word.h"
-#include "runtime/run/status.h"
+#include "runtime/run/task.h"
 #include "runtime/tell/exit_codes.h"
 #include "runtime/tell/terminal.h"
 

@@ -1,7 +1,7 @@
 #include "runtime/run/prerequisites.h"
 
 #include "carve/base/words.h"
-#include "runtime/run/status.h"
+#include "runtime/run/task.h"
 
 #include <fmt/format.h>
 
@@ -57,8 +57,7 @@ std::vector<NodeFailure> missing_in(const Pipeline& pipeline, const Plan& plan,
 
 std::string fault_of_task_folder(const RunRequest& request,
                                  const std::function<bool()>& cancelled) {
-    const auto folder =
-        job_folder(request.options.work_folder, request.task.substr(0, request.task.find('/')));
+    const auto folder = job_folder(request.options.work_folder, request.task->job);
     std::error_code error;
     const auto start = std::chrono::steady_clock::now();
     while (!std::filesystem::exists(folder, error)) {
@@ -71,7 +70,7 @@ std::string fault_of_task_folder(const RunRequest& request,
     return fmt::format(
         "--task {}: there is no folder {}; share the work folder with this machine, or make the "
         "job again if it was cleaned",
-        request.task, folder);
+        request.task->text(), folder);
 }
 
 Prerequisites wait_for_prerequisites(const Pipeline& pipeline, Preparation& prepared,

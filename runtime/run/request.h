@@ -3,6 +3,7 @@
 #include "graph/views/value_sources.h"
 #include "runtime/flow/options.h"
 #include "runtime/plan/plan.h"
+#include "runtime/run/task.h"
 #include "runtime/tell/progress.h"
 
 #include <optional>
@@ -23,8 +24,8 @@ struct RunRequest {
     /// Seconds to wait for results of other runs in the work folder, which this run then does not
     /// make; nothing: it makes them.
     std::optional<double> wait{};
-    std::string task{};  ///< JOB/STEP: this run is a task of a farm's job, and is recorded as one;
-                         ///< empty: it is not
+    /// The run is a task of this step of a farm's job, and is recorded as one; nothing: it is not.
+    std::optional<JobStep> task{};
     bool quiet = false;  ///< print failures only
     /// Print the forecast before the run, and the time of each node after it.
     bool verbose = false;

@@ -13,6 +13,7 @@
 #include "runtime/run/run_end.h"
 #include "runtime/run/status.h"
 #include "runtime/run/steps.h"
+#include "runtime/run/task.h"
 #include "runtime/tell/outcome.h"
 #include "runtime/tell/terminal.h"
 #include "runtime/tell/uncaught.h"
@@ -224,8 +225,8 @@ private:
             tell(fmt::format("failed: manifest: {}", failure.what()));
             return exit_code::of(failure);
         }
-        if (request_.task.empty()) return std::nullopt;
-        record_ = task_record(request_.options.work_folder, request_.task, request_.target.frames);
+        if (!request_.task) return std::nullopt;
+        record_ = task_record(request_.options.work_folder, *request_.task, request_.target.frames);
         const auto fault = fault_of_task_folder(request_, cancelled_);
         if (fault.empty()) return std::nullopt;
         tell("failed: " + fault);

@@ -1,6 +1,5 @@
 #include "runtime/run/status.h"
 
-#include "carve/base/frame_set.h"
 #include "formats/file/input_file.h"
 #include "formats/file/output_file.h"
 #include "graph/text/json_text.h"
@@ -204,24 +203,6 @@ void StatusFile::record_failure(const std::string& record, const std::string& pi
     about["exit"] = exit_code;
     about["faults"] = faults_of(report);
     write_status(record, about);
-}
-
-std::string job_folder(const std::string& work_folder, const std::string& job) {
-    return work_folder + "/jobs/" + job;
-}
-
-std::string task_name(const std::string& step, const std::optional<FrameSet>& frames) {
-    if (!frames || frames->frames().empty()) return step;
-    const auto first = frames->frames().front(), last = frames->frames().back();
-    return first == last ? fmt::format("{}.{}", step, first)
-                         : fmt::format("{}.{}-{}", step, first, last);
-}
-
-std::string task_record(const std::string& work_folder, const std::string& task,
-                        const std::optional<FrameSet>& frames) {
-    const auto slash = task.find('/');
-    return job_folder(work_folder, task.substr(0, slash)) + "/tasks/" +
-           task_name(task.substr(slash + 1), frames) + ".json";
 }
 
 std::vector<Json> recorded_runs(const std::string& folder) {

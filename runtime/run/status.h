@@ -1,12 +1,10 @@
 #pragma once
 
-#include "carve/base/frame_set.h"
 #include "runtime/run/forecast.h"
 #include "runtime/tell/report.h"
 
 #include <condition_variable>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -44,16 +42,6 @@ private:
     bool end_ = false;
     std::thread thread_;
 };
-
-/// The folder of a farm's job in a work folder.
-std::string job_folder(const std::string& work_folder, const std::string& job);
-/// The status file of a task of a farm's job.
-/// @param task  JOB/STEP
-/// @param frames  of the task; nothing: its step has one task
-std::string task_record(const std::string& work_folder, const std::string& task,
-                        const std::optional<FrameSet>& frames);
-/// The name of a task: `seams-energy.1001-1010`, by its first and last frame.
-std::string task_name(const std::string& step, const std::optional<FrameSet>& frames);
 
 /// The status of the runs whose files lie in a folder, latest first, as pipelines/FORMATS.md says;
 /// a task that failed has its "faults", too.

@@ -5,7 +5,7 @@
 #include "formats/file/full_path.h"
 #include "graph/provenance.h"
 #include "runtime/keep/work_folder.h"
-#include "runtime/run/status.h"
+#include "runtime/run/task.h"
 #include "runtime/tell/terminal.h"
 
 #include <fmt/format.h>
@@ -34,17 +34,6 @@ std::optional<std::uint64_t> parse_size(const std::string& text) {
     const double bytes = number * std::pow(1024.0, found->second);
     constexpr double most = 1e18;
     return bytes <= most ? std::optional(static_cast<std::uint64_t>(bytes)) : std::nullopt;
-}
-
-/// What is wrong with the name of a task; empty: nothing.
-std::string fault_of_task(const std::string& task) {
-    const auto plain = [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_'; };
-    const auto slash = task.find('/');
-    const auto good =
-        slash != std::string::npos && slash > 0 && slash + 1 < task.size() &&
-        std::all_of(task.begin(), task.begin() + static_cast<std::ptrdiff_t>(slash), plain) &&
-        std::all_of(task.begin() + static_cast<std::ptrdiff_t>(slash) + 1, task.end(), plain);
-    return good ? "" : "must be JOB/STEP, each of letters, digits, - and _";
 }
 
 /// A path with a name before its ending: "out/shot.seams.json".
@@ -171,11 +160,12 @@ std::string take_nodes(RunArguments& run, const Pipeline& pipeline) {
 
 std::string take_task(RunArguments& run, const Pipeline&) {
     auto& request = run.request;
-    if (request.task.empty()) return {};
-    if (const auto fault = fault_of_task(request.task); !fault.empty())
-        return "--task " + request.task + ": " + fault;
-    const auto name =
-        task_name(request.task.substr(request.task.find('/') + 1), request.target.frames);
+    if (run.task.empty()) return {};
+    request.task = JobStep::parse(run.task);
+    if (!request.task)
+        return fmt::format("--task {}: must be JOB/STEP, each of letters, digits, - and _",
+                           run.task);
+    const auto name = task_name(request.task->step, request.target.frames);
     for (auto* const path : {&request.report_path, &request.html_path, &request.profile_path})
         if (!path->empty()) *path = with_name(*path, name);
     return {};
@@ -278,7 +268,7 @@ void RunArguments::declare(CLI::App& verb) {
                     "farm's earlier steps; fail if they do not come")
         ->check(CLI::NonNegativeNumber)
         ->type_name("SECONDS");
-    verb.add_option("--task", request.task,
+    verb.add_option("--task", task,
                     "Record this run as a task of a farm's job, and put its name into those of "
                     "--report, --html and --profile")
         ->type_name("JOB/STEP");

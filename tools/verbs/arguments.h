@@ -51,6 +51,7 @@ struct RunArguments {
     int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     int in_flight = 0;
     std::string memory;
+    std::string task;  ///< JOB/STEP; empty: the run is no task of a farm's job
     std::string progress = "auto";
     RunRequest request;
     const CLI::Option* threads_option = nullptr;
