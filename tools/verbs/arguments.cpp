@@ -245,9 +245,7 @@ Pipeline PipelineArguments::build(const Document& document, Registry& registry,
                  problems);
     // Nodes can't be checked without the types of all plugins.
     if (problems.size() > before) return {};
-    auto pipeline = build_pipeline(document, registry, problems);
-    pipeline.plugins = std::move(files);
-    return pipeline;
+    return build_pipeline(document, registry, problems, std::move(files));
 }
 
 std::optional<Pipeline> PipelineArguments::read_or_complain(Registry& registry) const {

@@ -292,9 +292,7 @@ int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Regis
     std::optional<RunRequest> request;
     const auto build = [&] {
         // The plugins are loaded.
-        const auto plugins = std::move(pipeline.plugins);
-        pipeline = build_pipeline(document, registry, problems);
-        pipeline.plugins = plugins;
+        pipeline = build_pipeline(document, registry, problems, std::move(pipeline.plugins));
         if (!problems.empty()) return complain(to_text(problems)), false;
         state_provenance(pipeline, document, registry);
         request = view.run.read(pipeline);

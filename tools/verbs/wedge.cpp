@@ -168,9 +168,8 @@ void prepare_view(WedgeRun& run, const Registry& registry) {
     if (!run.document.nodes.find(name))
         set_page_path(document, name, (fs::path(run.folder) / "wedge_view.html").string());
     Problems unfit;
-    auto viewed = build_pipeline(document, registry, unfit);
+    auto viewed = build_pipeline(document, registry, unfit, run.pipeline.plugins);
     if (!unfit.empty()) return;
-    viewed.plugins = run.pipeline.plugins;
     state_provenance(viewed, document, registry);
     run.viewed = std::move(viewed);
     run.view = name;
@@ -180,7 +179,6 @@ void prepare_view(WedgeRun& run, const Registry& registry) {
 std::vector<WedgeRun> prepare(const PipelineArguments& arguments, const std::vector<Varied>& varied,
                               const std::string& folder, Registry& registry, Problems& problems) {
     std::vector<WedgeRun> out;
-    PluginFiles plugins;
     for (const auto& combination : combinations_of(varied)) {
         WedgeRun run;
         run.combination = combination;
@@ -189,9 +187,9 @@ std::vector<WedgeRun> prepare(const PipelineArguments& arguments, const std::vec
         for (const auto& [target, value] : combination) settings.push_back(target + "=" + value);
         Problems found;
         const auto document = read_document(arguments.path, settings, found);
-        const auto as_stated = out.empty() ? arguments.build(document, registry, found)
-                                           : build_pipeline(document, registry, found);
-        if (out.empty()) plugins = as_stated.plugins;
+        const auto as_stated =
+            out.empty() ? arguments.build(document, registry, found)
+                        : build_pipeline(document, registry, found, out.front().pipeline.plugins);
         if (found.empty()) {
             for (auto& setting : outputs_into(run.folder, as_stated))
                 settings.push_back(std::move(setting));
@@ -199,10 +197,9 @@ std::vector<WedgeRun> prepare(const PipelineArguments& arguments, const std::vec
             run.picture = picture_of(as_stated);
             if (run.picture.empty())
                 run.picture = add_preview(run.document, draft_preview(as_stated), run.folder);
-            run.pipeline = build_pipeline(run.document, registry, found);
+            run.pipeline = build_pipeline(run.document, registry, found, as_stated.plugins);
         }
         if (found.empty()) {
-            run.pipeline.plugins = plugins;
             if (const auto drawn = picture_of(run.pipeline); !drawn.empty()) run.picture = drawn;
             state_provenance(run.pipeline, run.document, registry);
             prepare_view(run, registry);
