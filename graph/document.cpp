@@ -73,8 +73,7 @@ public:
     /// Reads a file and merges it over the files that it extends. Returns a map even if the file
     /// can't be read.
     Value load(const std::string& path, const Mark& from) {
-        Value nothing;
-        nothing.kind = Value::Kind::map;
+        auto nothing = Value::map({});
         // A path that leads nowhere stays as it is: `open` tells why.
         const auto real = canonical_path(path);
         const auto file = real.empty() ? path : real.string();
@@ -98,8 +97,7 @@ public:
     /// Reads a text and merges it over the files that it extends. Returns a map even if it is not
     /// a pipeline.
     Value load(const std::shared_ptr<const Source>& source, const Mark& from) {
-        Value nothing;
-        nothing.kind = Value::Kind::map;
+        auto nothing = Value::map({});
         const auto before = problems_.size();
         Value root = read_yaml(source, problems_, room_);
         if (from.source && !is_pipeline(root))
@@ -255,9 +253,7 @@ std::optional<Setting> read_setting(const std::string& text, Problems& problems)
         point_to(out.value, source);
         return problems.size() == before ? std::optional(out) : std::nullopt;
     }
-    out.value.kind = Value::Kind::scalar;
-    out.value.text = value;
-    out.value.mark = {source, 1, static_cast<int>(sign) + 2};
+    out.value = Value::scalar({source, 1, static_cast<int>(sign) + 2}, value);
     return out;
 }
 

@@ -30,9 +30,7 @@ std::vector<std::pair<std::string, std::string>> DocumentNames::environment() co
 
 Value DocumentNames::declare_params(const Value& params,
                                     const std::map<std::string, Value>& settings) {
-    Value out;
-    out.kind = Value::Kind::map;
-    out.mark = params.mark;
+    auto out = Value::map(params.mark);
     for (const auto& field : params.fields) {
         declare_param(field, settings);
         out.fields.push_back({field.name, field.mark, values_[field.name]});
@@ -115,11 +113,7 @@ Value DocumentNames::environment_value(const std::string& name) {
     auto source = std::make_shared<Source>();
     source->name = "environment variable " + name;
     source->text = std::getenv(name.c_str());
-    Value out;
-    out.kind = Value::Kind::scalar;
-    out.text = source->text;
-    out.mark = {source, 1, 1};
-    return out;
+    return Value::scalar({source, 1, 1}, source->text);
 }
 
 void DocumentNames::replace_scalar(Value& value, const std::map<std::string, Value>& params,

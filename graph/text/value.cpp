@@ -9,6 +9,12 @@
 
 namespace fluidcarve {
 
+Value Value::scalar(Mark mark, std::string text) {
+    return {Kind::scalar, std::move(mark), std::move(text), {}, {}};
+}
+
+Value Value::map(Mark mark) { return {Kind::map, std::move(mark), {}, {}, {}}; }
+
 const Value::Field* Value::find(std::string_view name) const {
     return find_or_null(fields, name, &Field::name);
 }

@@ -27,6 +27,10 @@ struct Value {
     std::vector<Value> items;   ///< list
     std::vector<Field> fields;  ///< map, in file order, names unique
 
+    static Value scalar(Mark mark, std::string text);
+    /// A map without fields.
+    static Value map(Mark mark);
+
     const Field* find(std::string_view name) const;
     Field* find(std::string_view name);
 

@@ -42,10 +42,7 @@ public:
 
     void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                   const std::string& text) override {
-        Value value;
-        value.kind = Value::Kind::scalar;
-        value.mark = place(mark);
-        value.text = text;
+        auto value = Value::scalar(place(mark), text);
         // Control characters may be written as escapes: code that reads a path up to a NUL would
         // open another file than the one checked.
         const auto control = std::ranges::find_if(text, [](unsigned char c) {

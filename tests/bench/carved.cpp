@@ -64,14 +64,6 @@ Registry registry_of_looks() {
     return out;
 }
 
-Value text_value(const std::string& text, const Mark& mark) {
-    Value out;
-    out.kind = Value::Kind::scalar;
-    out.mark = mark;
-    out.text = text;
-    return out;
-}
-
 void set(Value& map, const std::string& name, Value value) {
     map.kind = Value::Kind::map;
     if (auto* const field = map.find(name)) field->value = std::move(value);
@@ -79,7 +71,7 @@ void set(Value& map, const std::string& name, Value value) {
 }
 
 void set(Value& map, const std::string& name, const std::string& text) {
-    set(map, name, text_value(text, map.mark));
+    set(map, name, Value::scalar(map.mark, text));
 }
 
 Value& node_of(Document& document, const std::string& name) {
@@ -145,7 +137,7 @@ Value list_value(const std::vector<std::string>& texts, const Mark& mark) {
     Value out;
     out.kind = Value::Kind::list;
     out.mark = mark;
-    for (const auto& text : texts) out.items.push_back(text_value(text, mark));
+    for (const auto& text : texts) out.items.push_back(Value::scalar(mark, text));
     return out;
 }
 

@@ -255,7 +255,7 @@ TEST_CASE("a number that a float can't hold is refused, not taken for infinite")
     Problems problems;
     ValueReader reader(problems, "gain", any_number());
     const auto parse = [&](const std::string& text) {
-        return ParamTraits<float>::parse({Value::Kind::scalar, {}, text, {}, {}}, reader);
+        return ParamTraits<float>::parse(Value::scalar({}, text), reader);
     };
     CHECK(parse("-3.4e38") == -3.4e38f);
     CHECK_FALSE(parse("1e39"));

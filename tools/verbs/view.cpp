@@ -26,11 +26,6 @@ constexpr std::string_view page_type = "preview.page";
 /// Frames on a page that has nothing else to show.
 constexpr int most_played = 24;
 
-Value scalar(const Mark& mark, std::string text) {
-    return {Value::Kind::scalar, mark, std::move(text), {}, {}};
-}
-Value empty_map(const Mark& mark) { return {Value::Kind::map, mark, {}, {}, {}}; }
-
 /// A field of a node as written; null if it is not stated.
 const Value* field(const Value::Field* node, std::string_view name) {
     if (!node) return nullptr;
@@ -99,7 +94,7 @@ void leave_out_seams(Value& node) {
 void take_what_is_there(Document& document, const Registry& registry) {
     for (auto& node : document.nodes.fields) {
         const auto* const type = registry.node(type_of(node));
-        const auto yes = scalar(node.value.mark, ParamTraits<bool>::text(true));
+        const auto yes = Value::scalar(node.value.mark, ParamTraits<bool>::text(true));
         if (type && type->param("best_effort") && !in_time(&node))
             add(node.value, "best_effort", &yes);
     }
@@ -115,7 +110,8 @@ public:
         solver_ = connected(document, seams_);
         const auto* const built = first({"lattice.build", "lattice.box"}, "type");
         lattice_ = stated("lattice", {sheet_, remap_, solver_});
-        if (!lattice_ && built) lattice_ = &lattice_name_.emplace(scalar(mark(), built->name));
+        if (!lattice_ && built)
+            lattice_ = &lattice_name_.emplace(Value::scalar(mark(), built->name));
         before_ = carved_grids(built);
         plays_ = !before_;
         if (plays_) before_ = played_grids();
@@ -127,9 +123,9 @@ public:
 
     bool shows_nothing() const { return !before_; }
     Value page() const {
-        auto out = empty_map(mark());
+        auto out = Value::map(mark());
         const auto state = [&](const char* name, std::string text) {
-            const auto value = scalar(mark(), std::move(text));
+            const auto value = Value::scalar(mark(), std::move(text));
             add(out, name, &value);
         };
         state("type", std::string(page_type));
@@ -140,7 +136,7 @@ public:
         add(out, "energy", stated("energy", {sheet_, solver_}));
         add(out, "rig", field(connected(document_, lattice_), "rig"));
         if (lattice_) add(out, "seams", seams_);
-        auto masks = empty_map(mark());
+        auto masks = Value::map(mark());
         for (const auto* const each : {"protect", "attract"})
             add(masks, each, field(solver_, each));
         if (!masks.fields.empty()) add(out, "masks", &masks);
@@ -228,7 +224,7 @@ std::string add_page(Document& document, std::string& name) {
 void set_page_path(Document& document, const std::string& node, const std::string& path) {
     auto& page = document.nodes.find(node)->value;
     std::erase_if(page.fields, [](const Value::Field& each) { return each.name == "path"; });
-    const auto value = scalar(page.mark, path);
+    const auto value = Value::scalar(page.mark, path);
     add(page, "path", &value);
 }
 

@@ -111,15 +111,9 @@ std::string add_preview(Document& document, const DraftRequest::Fields& fields,
     source->name = "wedge";
     const Mark mark{source, 0, 0};
     const auto path = (fs::path(folder) / "wedge_sheet.png").string();
-    Value::Field node{"wedge_sheet", mark, {}};
-    node.value.kind = Value::Kind::map;
-    node.value.mark = mark;
+    Value::Field node{"wedge_sheet", mark, Value::map(mark)};
     const auto put = [&](const std::string& name, const std::string& text) {
-        Value value;
-        value.kind = Value::Kind::scalar;
-        value.mark = mark;
-        value.text = text;
-        node.value.fields.push_back({name, mark, std::move(value)});
+        node.value.fields.push_back({name, mark, Value::scalar(mark, text)});
     };
     for (const auto& [name, text] : fields) put(name, text);
     put("path", path);

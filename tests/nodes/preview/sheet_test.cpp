@@ -23,11 +23,8 @@ std::vector<std::size_t> shown_of(const std::string& count, int total) {
     const auto type = preview_sheet();
     const auto params = type.make_params();
     Problems problems;
-    Value value;
-    value.kind = Value::Kind::scalar;
-    value.text = count;
     ValueReader reader(problems, "frames", type.param("frames")->range);
-    type.param("frames")->parse(params.get(), value, reader);
+    type.param("frames")->parse(params.get(), Value::scalar({}, count), reader);
     std::vector<int> frames;
     for (int n = 0; n < total; ++n) frames.push_back(1001 + n);
     Context::Host host;
