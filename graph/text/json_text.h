@@ -17,13 +17,15 @@ std::string json_text(const Json& json, int indent = -1) {
 
 /// The content of a file that the program wrote itself (text_of_own_file); discarded if it is no
 /// JSON.
-inline nlohmann::ordered_json json_of_own_file(const std::string& path) {
-    return nlohmann::ordered_json::parse(text_of_own_file(path), nullptr, false);
+template <class Json = nlohmann::ordered_json>
+Json json_of_own_file(const std::string& path) {
+    return Json::parse(text_of_own_file(path), nullptr, false);
 }
 
-/// Whether an object read from a file has a value of a type: `has(job, "name", &Json::is_string)`.
-inline bool has(const nlohmann::ordered_json& object, const char* name,
-                bool (nlohmann::ordered_json::*is)() const noexcept) {
+/// Whether a value read from a file is an object that has a value of a type:
+/// `has(job, "name", &Json::is_string)`.
+template <class Json>
+bool has(const Json& object, const char* name, bool (Json::*is)() const noexcept) {
     return object.contains(name) && (object[name].*is)();
 }
 

@@ -3,7 +3,6 @@
 #include "carve/base/frame_set.h"
 #include "carve/base/words.h"
 #include "formats/file/confinement.h"
-#include "formats/file/input_file.h"
 #include "formats/file/output_file.h"
 #include "graph/text/json_text.h"
 #include "runtime/keep/work_folder.h"
@@ -205,11 +204,10 @@ WorkTime cost_in(const json& from) {
 
 /// Whether a value read from a file has the form that `made_of` returns.
 bool well_formed(const json& node) {
-    if (!node.is_object() || !node.contains("type") || !node["type"].is_string() ||
-        !node.contains("version") || !node["version"].is_number())
+    if (!has(node, "type", &json::is_string) || !has(node, "version", &json::is_number))
         return false;
     for (const auto* const part : {"params", "inputs", "files"}) {
-        if (!node.contains(part) || !node[part].is_object()) return false;
+        if (!has(node, part, &json::is_object)) return false;
         for (const auto& [name, value] : node[part].items())
             if (!value.is_string() || (std::string_view(part) == "files" &&
                                        name.find_first_not_of("-0123456789") != std::string::npos))
@@ -235,7 +233,7 @@ History::History(const std::string& folder, const std::string& pipeline) {
         return;
     }
     std::error_code none;
-    auto read = json::parse(text_of_own_file(path_), nullptr, false);
+    auto read = json_of_own_file<json>(path_);
     const bool whole = read.is_object() &&
                        std::ranges::all_of(read, [](const json& node) { return node.is_object(); });
     foreign_ = std::filesystem::exists(path_, none) && !whole && !WorkFolder(folder).marked();

@@ -20,6 +20,7 @@ namespace fluidcarve {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
 constexpr std::array parts{"cache", "files", "history", "jobs", "runs"};
 constexpr auto mark_name = "CACHEDIR.TAG";
@@ -116,9 +117,8 @@ std::string made_for(const fs::path& file, const fs::path& root) {
     const auto part = inside.begin()->string();
     const auto pipeline_in = [](const fs::path& path) {
         const auto record = json_of_own_file(path);
-        const auto pipeline = record.is_object() ? record.find("pipeline") : record.end();
-        return pipeline != record.end() && pipeline->is_string()
-                   ? shot_of(pipeline->get<std::string>())
+        return has(record, "pipeline", &Json::is_string)
+                   ? shot_of(record["pipeline"].get<std::string>())
                    : std::string();
     };
     if (part == "history") return file.stem().string();
@@ -126,9 +126,8 @@ std::string made_for(const fs::path& file, const fs::path& root) {
     if (part == "jobs") return pipeline_in(root / part / *std::next(inside.begin()) / "job.json");
     if (part != "cache") return {};
     const auto header = entry_header(file.string());
-    return header && header->contains("shot") && (*header)["shot"].is_string()
-               ? (*header)["shot"].get<std::string>()
-               : std::string();
+    return header && has(*header, "shot", &Json::is_string) ? (*header)["shot"].get<std::string>()
+                                                            : std::string();
 }
 
 bool older(const fs::path& file, std::chrono::seconds age) {
