@@ -25,10 +25,14 @@
 #include <cstdio>
 #include <filesystem>
 #include <iterator>
+#include <memory>
 #include <new>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
+#include <vector>
 
 namespace fluidcarve {
 namespace {
@@ -54,7 +58,7 @@ struct DiffArguments {
 
     void declare(CLI::App& verb);
 
-    DiffRequest read(bool json);
+    DiffRequest read();
 };
 
 namespace fs = std::filesystem;
@@ -338,11 +342,11 @@ void DiffArguments::declare(CLI::App& verb) {
                     "Threads, and frames compared at once (default: all cores)")
         ->check(CLI::Range(1, 4096))
         ->envname("FLUIDCARVE_THREADS");
+    verb.add_flag("--json", request.json, "Print as JSON");
 }
 
-DiffRequest DiffArguments::read(bool json) {
+DiffRequest DiffArguments::read() {
     if (frames_option->count() > 0) request.frames = frames;
-    request.json = json;
     request.memory = half_of_memory();
     return request;
 }
@@ -366,10 +370,8 @@ int diff_files(const DiffRequest& request) {
 
 Verb::Work diff_verb(CLI::App& verb, Program&) {
     const auto arguments = std::make_shared<DiffArguments>();
-    const auto json = std::make_shared<bool>(false);
     arguments->declare(verb);
-    verb.add_flag("--json", *json, "Print as JSON");
-    return [=] { return diff_files(arguments->read(*json)); };
+    return [=] { return diff_files(arguments->read()); };
 }
 
 }  // namespace fluidcarve
