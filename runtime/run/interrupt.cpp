@@ -2,6 +2,7 @@
 
 #include "formats/file/output_file.h"
 #include "runtime/tell/exit_codes.h"
+#include "runtime/tell/outcome.h"
 
 #include <pthread.h>
 #include <unistd.h>
@@ -79,6 +80,10 @@ void Interrupt::watch() {
         }
         asked_ = true;
     }
+}
+
+std::string last_words(bool quiet, bool kept) {
+    return quiet ? std::string() : interrupted_text(kept);
 }
 
 }  // namespace fluidcarve

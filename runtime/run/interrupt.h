@@ -30,4 +30,8 @@ private:
     std::thread thread_;
 };
 
+/// The last words of a run: interrupted_text, unless it is quiet.
+/// @param kept  whether the work folder keeps what was computed
+std::string last_words(bool quiet, bool kept);
+
 }  // namespace fluidcarve

@@ -5,7 +5,6 @@
 #include "runtime/run/interrupt.h"
 #include "runtime/run/run.h"
 #include "runtime/tell/exit_codes.h"
-#include "runtime/tell/outcome.h"
 #include "tools/verbs/verbs.h"
 
 #include <CLI/CLI.hpp>
@@ -22,8 +21,7 @@ int run_built(Pipeline pipeline, const Document& document, RunArguments& argumen
     auto request = arguments.read(pipeline);
     if (!request) return exit_code::usage;
     request->sources = value_sources_of(document, registry);
-    const Interrupt interrupt(request->quiet ? std::string()
-                                             : interrupted_text(request->options.cache));
+    const Interrupt interrupt(last_words(request->quiet, request->options.cache));
     return run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
 }
 

@@ -3,7 +3,6 @@
 #include "graph/provenance.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/run/preparation.h"
-#include "runtime/tell/outcome.h"
 #include "runtime/tell/report.h"
 #include "runtime/tell/uncaught.h"
 #include "tools/verbs/verbs.h"
@@ -261,8 +260,7 @@ void ViewArguments::declare(CLI::App& verb) {
 /// Runs what a page needs, and tells where it lies. @return an exit code
 int make_page(const Pipeline& pipeline, const Registry& registry, const RunRequest& request,
               const std::string& node, bool left_out) {
-    const Interrupt interrupt(request.quiet ? std::string()
-                                            : interrupted_text(request.options.cache));
+    const Interrupt interrupt(last_words(request.quiet, request.options.cache));
     const int code = run_pipeline(pipeline, registry, request, [&] { return interrupt.asked(); });
     if (code != exit_code::done) return code;
     if (left_out && !request.quiet)

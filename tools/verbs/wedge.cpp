@@ -8,7 +8,6 @@
 #include "graph/views/value_sources.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/run/run.h"
-#include "runtime/tell/outcome.h"
 #include "tools/draft/draft.h"
 #include "tools/draft/draft_preview.h"
 #include "tools/verbs/arguments.h"
@@ -370,8 +369,7 @@ int wedge_pipeline(const PipelineArguments& pipeline, WedgeArguments& arguments,
     Problems problems;
     auto runs = prepare(pipeline, varied, arguments.out, registry, problems);
     if (!problems.empty()) return end_with(problems);
-    const Interrupt interrupt(own.quiet ? std::string()
-                                        : interrupted_text(!arguments.run.no_cache));
+    const Interrupt interrupt(last_words(own.quiet, !arguments.run.no_cache));
     int code = exit_code::done;
     if (!execute_all(runs, arguments.run, registry, interrupt, code)) return code;
     print(table_of(varied, runs));
