@@ -19,11 +19,27 @@
 
 #include <fmt/format.h>
 
+#include <string>
 #include <vector>
 
 namespace fluidcarve {
 
 namespace {
+
+constexpr auto velocity_doc = "Velocity, world units per second; staggered grids are collocated.";
+constexpr auto gain_doc = "Multiplier on the result.";
+constexpr auto before_weighting = "of each term that is remapped to [0, 1] before weighting";
+
+/// The doc string of `range`, of nodes that add energies.
+/// @param interval  what the interval is, after "The interval "
+/// @param order     of the terms in a list: empty, or ": " and their names
+std::string range_doc(const char* interval, const char* order = "") {
+    return fmt::format(
+        "The interval {}; values outside are clamped. Auto: from the smallest to the largest "
+        "active value of the sequence, found in an extra pass. A list states one interval or auto "
+        "per term{}. A constant term counts as 0.",
+        interval, order);
+}
 
 struct RangeParams {
     TermRanges range;
@@ -88,10 +104,7 @@ NodeType energy_combine() {
         .input("terms", &Combine::Ports::terms, "Energies, all on grids with the same transform.")
         .param("weights", &Combine::Params::weights, Unit::none, at_least(0),
                "One weight per term. Empty: all are 1.")
-        .param("range", &RangeParams::range,
-               "The interval that is remapped to [0, 1]; values outside are clamped. Auto: from "
-               "the smallest to the largest active value of the sequence, found in an extra pass. "
-               "A list states one interval or auto per term. A constant term counts as 0.")
+        .param("range", &RangeParams::range, range_doc("that is remapped to [0, 1]"))
         .output("energy", &Combine::Ports::energy,
                 "From 0 to the sum of the weights, on the voxels that are active in any term.")
         .digests({"terms", "range"})
@@ -128,8 +141,7 @@ NodeType energy_curvature() {
                "High where a surface curves, so that seams avoid its waves, drops and edges.")
         .input("surface", &Curvature::Ports::field,
                "A level set, or any field: its level surfaces count.")
-        .param("gain", &Curvature::Params::gain, Unit::none, at_least(0),
-               "Multiplier on the result.")
+        .param("gain", &Curvature::Params::gain, Unit::none, at_least(0), gain_doc)
         .output("energy", &Curvature::Ports::energy,
                 "|sum of the principal curvatures| (field.curvature), 1 per world unit, on the "
                 "active voxels of `surface`.")
@@ -142,8 +154,7 @@ NodeType energy_gradient() {
                "energy.gradient",
                "High where a field changes, so that seams avoid its edges and details.")
         .input("field", &Gradient::Ports::field, "Density, temperature or any other field.")
-        .param("gain", &Gradient::Params::gain, Unit::none, at_least(0),
-               "Multiplier on the result.")
+        .param("gain", &Gradient::Params::gain, Unit::none, at_least(0), gain_doc)
         .output("energy", &Gradient::Ports::energy,
                 "|grad field|, units of `field` per world unit, on its active voxels.")
         .kept()
@@ -171,9 +182,8 @@ struct Kinetic {
 NodeType energy_kinetic() {
     return Declare<Kinetic>("energy.kinetic",
                             "High where the flow is fast, so that seams avoid jets and bursts.")
-        .input("velocity", &Kinetic::Ports::velocity,
-               "Velocity, world units per second; staggered grids are collocated.")
-        .param("gain", &Kinetic::Params::gain, Unit::none, at_least(0), "Multiplier on the result.")
+        .input("velocity", &Kinetic::Ports::velocity, velocity_doc)
+        .param("gain", &Kinetic::Params::gain, Unit::none, at_least(0), gain_doc)
         .output("energy", &Kinetic::Ports::energy,
                 "velocity . velocity, without the factor 1/2, in squared units of `velocity`, on "
                 "its active voxels.");
@@ -285,10 +295,7 @@ NodeType energy_surface() {
         .param("kinetic", &SurfaceWeights::kinetic, Unit::none, at_least(0),
                "Weight of velocity . velocity; lambda in the paper.")
         .param("range", &RangeParams::range,
-               "The interval of each term that is remapped to [0, 1] before weighting; values "
-               "outside are clamped. Auto: from the smallest to the largest active value of the "
-               "sequence, found in an extra pass. A list states one interval or auto per term: "
-               "curvature, then kinetic energy. A constant term counts as 0.")
+               range_doc(before_weighting, ": curvature, then kinetic energy"))
         .output("energy", &SurfaceEnergy::Ports::energy,
                 "From 0 to the sum of the terms' weights, on the voxels that are active in either "
                 "input.")
@@ -337,8 +344,7 @@ NodeType energy_volume() {
     return Declare<VolumeEnergy>("energy.volume",
                                  "The paper's energy for smoke and fire: high where the flow "
                                  "spins, is fast, or its fields change.")
-        .input("velocity", &VolumeEnergy::Ports::velocity,
-               "Velocity, world units per second; staggered grids are collocated.")
+        .input("velocity", &VolumeEnergy::Ports::velocity, velocity_doc)
         .input("fields", &VolumeEnergy::Ports::fields,
                "The visible fields: density, temperature, flame; on grids with the velocity's "
                "transform.")
@@ -348,12 +354,9 @@ NodeType energy_volume() {
                "Weight of velocity . velocity; lambda 1 in the paper.")
         .param("gradient", &VolumeWeights::gradient, Unit::none, at_least(0),
                "Weight of |grad field|, for each field; lambda 2 in the paper.")
-        .param(
-            "range", &RangeParams::range,
-            "The interval of each term that is remapped to [0, 1] before weighting; values outside "
-            "are clamped. Auto: from the smallest to the largest active value of the sequence, "
-            "found in an extra pass. A list states one interval or auto per term: vorticity, "
-            "kinetic energy, then the gradient of each field. A constant term counts as 0.")
+        .param("range", &RangeParams::range,
+               range_doc(before_weighting,
+                         ": vorticity, kinetic energy, then the gradient of each field"))
         .output(
             "energy", &VolumeEnergy::Ports::energy,
             "From 0 to the sum of the terms' weights, on the voxels that are active in any input.")
@@ -377,10 +380,8 @@ struct Vorticity {
 NodeType energy_vorticity() {
     return Declare<Vorticity>("energy.vorticity",
                               "High where the flow spins, so that seams avoid vortices.")
-        .input("velocity", &Vorticity::Ports::velocity,
-               "Velocity, world units per second; staggered grids are collocated.")
-        .param("gain", &Vorticity::Params::gain, Unit::none, at_least(0),
-               "Multiplier on the result.")
+        .input("velocity", &Vorticity::Ports::velocity, velocity_doc)
+        .param("gain", &Vorticity::Params::gain, Unit::none, at_least(0), gain_doc)
         .output("energy", &Vorticity::Ports::energy,
                 "|curl velocity|, 1/s, on the active voxels of `velocity`.")
         .kept();

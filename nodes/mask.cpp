@@ -36,6 +36,9 @@ namespace {
 
 using openvdb::Vec3d;
 
+constexpr auto like_doc =
+    "The mask takes the voxels of this grid, such as the energy. Only its transform counts.";
+
 struct BelowSurface {
     struct Params {
         Vec3 up{0, 0, 1};
@@ -87,8 +90,7 @@ struct MaskBox {
         check_corners(params.min, params.max, check);
     }
     static void run(const Params& params, Ports& io, Context&) {
-        io.mask = box_mask(*io.like->grid, openvdb::Vec3d(params.min.data()),
-                           openvdb::Vec3d(params.max.data()));
+        io.mask = box_mask(*io.like->grid, Vec3d(params.min.data()), Vec3d(params.max.data()));
     }
 };
 
@@ -96,9 +98,7 @@ struct MaskBox {
 
 NodeType mask_box() {
     return Declare<MaskBox>("mask.box", "The voxels in a box: where seams are wanted, or kept out.")
-        .input("like", &MaskBox::Ports::like,
-               "The mask takes the voxels of this grid, such as the energy. Only its transform "
-               "counts.")
+        .input("like", &MaskBox::Ports::like, like_doc)
         .required("min", &MaskBox::Params::min, Unit::world, any_number(), "The low corner.")
         .required("max", &MaskBox::Params::max, Unit::world, any_number(),
                   "The high corner. Both corners lie in the box.")
@@ -220,9 +220,7 @@ NodeType mask_mesh() {
                "mask.mesh",
                "The voxels in a mesh, or near its faces: where seams are wanted, or kept out.")
         .input("mesh", &MaskMesh::Ports::mesh, "A closed mesh; with `where: near`, any mesh.")
-        .input("like", &MaskMesh::Ports::like,
-               "The mask takes the voxels of this grid, such as the energy. Only its transform "
-               "counts.")
+        .input("like", &MaskMesh::Ports::like, like_doc)
         .param("where", &Params::where,
                "inside: voxels whose centres the mesh encloses. near: voxels at most `distance` "
                "from a face, on either side.")
@@ -244,7 +242,7 @@ struct MaskSphere {
         Ref<MaskGrid> mask;
     };
     static void run(const Params& params, Ports& io, Context&) {
-        io.mask = sphere_mask(*io.like->grid, openvdb::Vec3d(params.center.data()), params.radius);
+        io.mask = sphere_mask(*io.like->grid, Vec3d(params.center.data()), params.radius);
     }
 };
 
@@ -253,9 +251,7 @@ struct MaskSphere {
 NodeType mask_sphere() {
     return Declare<MaskSphere>("mask.sphere",
                                "The voxels in a sphere: where seams are wanted, or kept out.")
-        .input("like", &MaskSphere::Ports::like,
-               "The mask takes the voxels of this grid, such as the energy. Only its transform "
-               "counts.")
+        .input("like", &MaskSphere::Ports::like, like_doc)
         .required("center", &MaskSphere::Params::center, Unit::world, any_number(),
                   "Centre of the sphere.")
         .required("radius", &MaskSphere::Params::radius, Unit::world, at_least(0),
