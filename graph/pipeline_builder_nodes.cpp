@@ -104,11 +104,11 @@ std::string PipelineBuilder::near_type(const std::string& name) const {
     const auto all = registry_.node_names();
     if (const auto best = nearest(name, all); !best.empty())
         return fmt::format("; did you mean '{}'?", best);
-    std::vector<std::string> family;
+    std::vector<std::string> known;
     for (const auto& each : all)
-        if (each.starts_with(name.substr(0, name.find('.')) + ".")) family.push_back(each);
-    return family.empty() ? std::string("; `fluidcarve nodes` lists them")
-                          : fmt::format("; known: {}", fmt::join(family, ", "));
+        if (family_of(each) == family_of(name)) known.push_back(each);
+    return known.empty() ? std::string("; `fluidcarve nodes` lists them")
+                         : fmt::format("; known: {}", fmt::join(known, ", "));
 }
 
 void PipelineBuilder::read_params(UnfinishedNode& unfinished) {

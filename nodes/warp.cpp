@@ -104,16 +104,16 @@ struct WarpSolve {
 
     static std::shared_ptr<FrameEnergy> digest(const Params& params, const Ports& io,
                                                Context& context) {
-        // The first frame shows faults before all others are read. The space after other seams is
-        // known only later.
-        if (context.t() == 0 && io.after.empty() && !states_nothing(params)) {
-            // Percentages of the content are known only after all frames.
-            const auto stated = amount_of(params);
-            require_fits(params, io.content ? stated.in_vertices(0) : stated, io.lattice->shape,
-                         io.lattice->closed, context.frames(), "");
-        }
-        if (context.t() == 0 && !states_nothing(params))
+        // The first frame shows faults before all others are read.
+        if (context.t() == 0 && !states_nothing(params)) {
+            // The space after other seams is known only later, as are percentages of the content.
+            if (io.after.empty()) {
+                const auto stated = amount_of(params);
+                require_fits(params, io.content ? stated.in_vertices(0) : stated, io.lattice->shape,
+                             io.lattice->closed, context.frames(), "");
+            }
             require_ends(gathering_params(params), io.lattice->form());
+        }
         const auto grids = grids_of(io);
         require_frame_fits(grids, *io.lattice, context.limits().memory);
         const auto out = std::make_shared<FrameEnergy>(
@@ -144,9 +144,8 @@ struct WarpSolve {
         const bool nothing = amount.nothing();
         const auto shape = space.shape();
         if (!nothing) {
-            const auto named = space.carved() ? " once the seams of `after` are carved" : "";
             require_fits(params, amount, shape, space.lattices().front()->closed, space.frames(),
-                         named);
+                         once_carved(space.carved()));
             gathered_.require_met();
             for (const auto& warning : gathered_.warnings()) context.warn_at_once(warning);
         }

@@ -20,8 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string family_of(std::string_view type) { return std::string(type.substr(0, type.find('.'))); }
-
 bool can_name_a_family(std::string_view name) {
     return !name.empty() &&
            std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) || c == '_'; });

@@ -11,6 +11,8 @@
 
 namespace fluidcarve {
 
+std::string family_of(std::string_view type) { return std::string(type.substr(0, type.find('.'))); }
+
 const InputSpec* NodeType::input(std::string_view name) const {
     return find_or_null(inputs, name, &InputSpec::name);
 }
@@ -93,7 +95,7 @@ std::vector<std::string> Registry::node_names() const {
 std::vector<std::string> Registry::families() const {
     std::vector<std::string> out;
     for (const auto& [name, type] : nodes_)
-        if (const auto family = name.substr(0, name.find('.')); out.empty() || out.back() != family)
+        if (const auto family = family_of(name); out.empty() || out.back() != family)
             out.push_back(family);
     return out;
 }

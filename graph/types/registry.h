@@ -12,6 +12,9 @@
 
 namespace fluidcarve {
 
+/// The family of a node type by its name: "mask" of "mask.box".
+std::string family_of(std::string_view type);
+
 /// The node types, payload types, conversions and selections that a pipeline may use. A plain value
 /// that the program, or a test, fills.
 class Registry {

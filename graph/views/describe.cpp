@@ -16,7 +16,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t columns = 100;
 
-std::string family_of(const std::string& type) { return type.substr(0, type.find('.')); }
 std::string verb_of(const std::string& type) { return type.substr(type.find('.') + 1); }
 
 std::string first_sentence(const std::string& doc) {

@@ -41,8 +41,7 @@ WarpAmount amount_of(const WarpParams& params);
 /// @param amount  amount_of(params)
 /// @param shape   I, J, K of the space that is carved
 /// @param frames  frame numbers
-/// @param space   addition to "vertices" in messages: empty, or " once the seams of `after` are
-///   carved"
+/// @param space   what messages say after "vertices", as of once_carved()
 /// @throws Failure if a window, the anchor or the amount leaves the lattice, or if a ring's amounts
 ///   do not meet
 void require_fits(const WarpParams& params, const WarpAmount& amount,

@@ -16,13 +16,10 @@ namespace fluidcarve {
 
 namespace {
 
-/// The addition to "vertices", for messages.
-std::string name_of(bool carved) { return carved ? " once the seams of `after` are carved" : ""; }
-
 /// The number of vertices along the axis, for the end of a message.
 std::string vertices_along(Axis axis, int size, bool carved) {
     if (axis == Axis::t) return fmt::format("{} frames: 0 to {}", size, size - 1);
-    return fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(axis), name_of(carved),
+    return fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(axis), once_carved(carved),
                        size - 1);
 }
 
@@ -58,7 +55,7 @@ void require_vertex_left(const SolverParams& params, int size, bool carved) {
     const auto what = [&](bool one) {
         return params.axis == Axis::t ? std::string(one ? "frame" : "frames")
                                       : fmt::format("{} along {}{}", one ? "vertex" : "vertices",
-                                                    to_text(params.axis), name_of(carved));
+                                                    to_text(params.axis), once_carved(carved));
     };
     if (size == 1)
         throw Failure(fmt::format("count {} removes the only {}; none can go", count, what(true)));
@@ -99,6 +96,10 @@ struct WindowOfTask {
 };
 
 }  // namespace
+
+std::string once_carved(bool carved) {
+    return carved ? " once the seams of `after` are carved" : "";
+}
 
 SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int finest) {
     const auto form = space.form();

@@ -26,6 +26,10 @@ struct SeamTask {
     std::optional<SeamPart> pairs;
 };
 
+/// What messages say after "vertices": " once the seams of `after` are carved", or nothing.
+/// @param carved  whether other sets have carved the space
+std::string once_carved(bool carved);
+
 /// The task that parameters set in a space.
 /// @param finest  2: seams are found at half size
 /// @throws Failure if the space is empty, if a window or the anchor leaves it, if a window has too
