@@ -63,8 +63,7 @@ public:
                      NumberType number, const std::vector<double>& values);
     /// Adds the positions of points or vertices, and their extent.
     /// @param placement  that of their reader, to be undone; null: none
-    void add_positions(const std::vector<openvdb::Vec3d>& points,
-                       const Placement* placement = nullptr);
+    void add_positions(const std::vector<openvdb::Vec3d>& points, const Placement* placement);
 
     /// Whether there is an array of this name.
     bool has(const std::string& name) const { return names_.contains(name); }

@@ -19,7 +19,7 @@ public:
     /// @param record  the file, if the run is a task of a farm (task_record); empty: a new file,
     ///   and old ones are removed
     StatusFile(const std::string& folder, const Forecast& forecast, const Report& report,
-               const std::string& record = {});
+               const std::string& record);
     /// Writes the final status.
     void end(int exit_code);
     ~StatusFile();

@@ -26,7 +26,7 @@ struct NodeFailure {
 };
 /// A failure of a node. @param frame  nothing: of the node as a whole
 inline NodeFailure failure_in(const Node& node, std::optional<int> frame, std::string message,
-                              Failure::Kind kind = Failure::Kind::data) {
+                              Failure::Kind kind) {
     return {node.name, node.type->name, frame, std::move(message), kind};
 }
 /// The failure as a line of text: "spin (energy.vorticity), frame 43: message".

@@ -21,10 +21,10 @@ namespace fluidcarve {
 /// @return the carved codes, laid out the same way
 std::vector<std::uint16_t> carve_energy(std::vector<std::uint16_t> codes,
                                         const std::array<int, 3>& shape, Axis axis,
-                                        std::span<const CarveStep> steps, int finest = 1);
+                                        std::span<const CarveStep> steps, int finest);
 /// The same for a field, in field codes.
 std::vector<std::uint16_t> carve_field(std::vector<std::uint16_t> codes,
                                        const std::array<int, 3>& shape, Axis axis,
-                                       std::span<const CarveStep> steps, int finest = 1);
+                                       std::span<const CarveStep> steps, int finest);
 
 }  // namespace fluidcarve

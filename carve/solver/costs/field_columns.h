@@ -50,7 +50,7 @@ public:
     /// @param columns  of a frame
     /// @param width    entries of a column
     /// @param limits   of codes; frames beyond them are held in files
-    FieldColumns(std::size_t frames, std::size_t columns, int width, const Limits& limits = {});
+    FieldColumns(std::size_t frames, std::size_t columns, int width, const Limits& limits);
 
     /// Sets frames, from `t` on.
     /// @param codes  their field codes, `[t][column][entry]`

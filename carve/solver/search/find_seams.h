@@ -87,7 +87,7 @@ int room_in(Seams::Kind kind, Window window, int width, int finest = 1);
 /// Requires that the window has room for `count` seams, at least 0.
 /// @param width, finest  as for room_in()
 /// @throws Failure that says how many are possible
-void require_room(Seams::Kind kind, int count, Window window, int width, int finest = 1);
+void require_room(Seams::Kind kind, int count, Window window, int width, int finest);
 
 /// The loop around a solver (METHOD 4 and METHOD 8): finds a seam, deletes it from the energy, and
 /// so on. Insertions are found as removals and returned as original entries. A continued search

@@ -33,7 +33,8 @@ TEST_CASE("texts and files of USD are quoted, whatever is in them") {
 TEST_CASE("a file of geometry holds its arrays at all times, or at those of one frame") {
     UsdGeometry still("Mesh", std::nullopt);
     still.add("uniform token subdivisionScheme = \"none\"");
-    still.add_positions({openvdb::Vec3d(0), openvdb::Vec3d(1, static_cast<double>(0.1f), -2)});
+    still.add_positions({openvdb::Vec3d(0), openvdb::Vec3d(1, static_cast<double>(0.1f), -2)},
+                        nullptr);
     still.add({"texCoord2f", "primvars:st", "faceVarying", 2}, {0, 0.5});
     CHECK(still.text() == R"(#usda 1.0
 (
@@ -55,7 +56,7 @@ def Mesh "geometry"
                    nan = std::numeric_limits<double>::quiet_NaN();
     UsdGeometry moving("Points", -5);
     moving.add({"float", "widths", "vertex"}, {static_cast<double>(0.1f), -nan, -infinite});
-    moving.add_positions({});
+    moving.add_positions({}, nullptr);
     CHECK(moving.text() == R"(#usda 1.0
 (
     defaultPrim = "geometry"

@@ -271,7 +271,7 @@ TEST_CASE(
     std::vector<std::uint16_t> codes;
     for (int n = 0; n < 18; ++n)
         codes.push_back(n % 9 == 5 ? protected_code : encode_energy(static_cast<float>(n % 9)));
-    const auto carved = carve_energy(codes, lattice.shape, Axis::u, map.steps());
+    const auto carved = carve_energy(codes, lattice.shape, Axis::u, map.steps(), 1);
     REQUIRE(carved.size() == 18);
     for (std::size_t e = 0; e < 9; ++e) {
         CHECK(carved[9 + e] == codes[9 + e]);
@@ -279,7 +279,7 @@ TEST_CASE(
     }
     // Between a vertex that is protected and one that is not, a vertex is protected.
     const auto third = map_of(lattice, {warped(lattice, evenly(lattice, -2))});
-    const auto thinner = carve_energy(codes, lattice.shape, Axis::u, third.steps());
+    const auto thinner = carve_energy(codes, lattice.shape, Axis::u, third.steps(), 1);
     REQUIRE(thinner.size() == 14);
     CHECK(thinner[3] == encode_energy(4));
     CHECK(thinner[4] == protected_code);

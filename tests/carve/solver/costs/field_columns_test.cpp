@@ -166,7 +166,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a field that is not set is 0") {
-    const FieldColumns field(2, 3, 10);
+    const FieldColumns field(2, 3, 10, {});
     for (const auto& run : field.runs()) {
         std::vector<float> values(10, 1.0f), few(4, 1.0f);
         run.read(0, values);
@@ -180,7 +180,7 @@ TEST_CASE("a field that is not set is 0") {
 TEST_CASE("a field takes memory where it is not 0") {
     constexpr std::size_t columns = 64;
     constexpr int width = 1000;
-    FieldColumns field(1, columns, width);
+    FieldColumns field(1, columns, width, {});
     Codes codes(columns * width, 0);
     field.set(0, codes);
     const auto empty = field.bytes();
