@@ -40,8 +40,9 @@ constexpr auto start_text =
     "from fluidcarve.worker import main\n"
     "main()\n";
 
-/// The process's descriptors, in this order from 3 on.
-constexpr int first_descriptor = 3;
+/// The descriptors that the process gets besides the standard ones. Their order is that of SOCKET,
+/// GIVEN, ANSWERED and LIFE in python/fluidcarve/worker.py.
+constexpr int first_descriptor = 3, descriptor_count = 4;
 constexpr std::size_t most_printed = 1000, most_log = std::size_t{1} << 20;
 /// The process ends itself when its time is over, and tells where it was. If it can't, this
 /// program ends it after these further seconds.
@@ -119,16 +120,26 @@ struct Descriptors {
     }
 };
 
-/// The end of what the process has printed: a dump of the stack comes last.
-std::string end_of(int log) {
+/// Number of bytes that the process has printed.
+std::size_t size_of_log(int log) {
     struct stat now {};
-    constexpr std::size_t most_dump = 16 << 10;
-    if (fstat(log, &now) != 0) return {};
-    std::string out(std::min(static_cast<std::size_t>(now.st_size), most_dump), '\0');
-    const auto got =
-        pread(log, out.data(), out.size(), now.st_size - static_cast<off_t>(out.size()));
+    return fstat(log, &now) == 0 ? static_cast<std::size_t>(now.st_size) : 0;
+}
+
+/// Reads a part of what the process has printed.
+/// @param begin, size  bytes
+std::string read_log(int log, std::size_t begin, std::size_t size) {
+    std::string out(size, '\0');
+    const auto got = pread(log, out.data(), out.size(), static_cast<off_t>(begin));
     out.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
     return out;
+}
+
+/// The end of what the process has printed: a dump of the stack comes last.
+std::string end_of(int log) {
+    constexpr std::size_t most_dump = 16 << 10;
+    const auto all = size_of_log(log), size = std::min(all, most_dump);
+    return read_log(log, all - size, size);
 }
 
 /// The place in a dump of Python's faulthandler: the first in the script's folder, else the first.
@@ -189,10 +200,10 @@ void Worker::start() {
     // handed over.
     Descriptors above;
     for (const int file : {sockets[1], given.descriptor(), answered.descriptor(), life[0], log_})
-        above.files.push_back(fcntl(file, F_DUPFD_CLOEXEC, first_descriptor + 8));
+        above.files.push_back(fcntl(file, F_DUPFD_CLOEXEC, first_descriptor + descriptor_count));
     FileActions files;
     posix_spawn_file_actions_addopen(&files.actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    for (int n = 0; n < 4; ++n)
+    for (int n = 0; n < descriptor_count; ++n)
         posix_spawn_file_actions_adddup2(&files.actions, above.files[static_cast<std::size_t>(n)],
                                          first_descriptor + n);
     for (const int file : {STDOUT_FILENO, STDERR_FILENO})
@@ -227,9 +238,7 @@ bool Worker::receive() {
     pollfd ready{socket_, POLLIN, 0};
     if (poll(&ready, 1, pause_ms) <= 0) {
         // Endless output of a script must not fill the memory.
-        struct stat now {};
-        if (fstat(log_, &now) == 0 && static_cast<std::size_t>(now.st_size) > most_log)
-            [[maybe_unused]]
+        if (size_of_log(log_) > most_log) [[maybe_unused]]
             const auto cut = ftruncate(log_, most_printed);
         return true;
     }
@@ -309,12 +318,10 @@ void Worker::end(bool going) {
 }
 
 std::string Worker::printed() {
-    struct stat now {};
-    if (fstat(log_, &now) != 0 || now.st_size == 0) return {};
-    std::string out(std::min(static_cast<std::size_t>(now.st_size), most_printed), '\0');
-    const auto got = pread(log_, out.data(), out.size(), 0);
-    out.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
-    const auto left = static_cast<std::size_t>(now.st_size) - out.size();
+    const auto all = size_of_log(log_);
+    if (all == 0) return {};
+    auto out = read_log(log_, 0, std::min(all, most_printed));
+    const auto left = all - out.size();
     [[maybe_unused]] const auto cut = ftruncate(log_, 0);
     while (!out.empty() && out.back() == '\n') out.pop_back();
     return left == 0 ? out : fmt::format("{} ... and {} more", out, size_text(left));
