@@ -61,12 +61,7 @@ struct RemapGrids : RemapNode {
 
     static void foresee(const Params& params, Outlook& ahead) {
         if (!params.in_time) return foresee_carve(params.count, ahead);
-        foresee_frames(params,
-                       params.interpolation != Interpolation::linear ? "interpolation"
-                       : params.renormalize                          ? "renormalize"
-                       : params.conserve != Conserve::none           ? "conserve"
-                                                                     : without_effect(params),
-                       ahead);
+        foresee_frames(params, idle_param(params), ahead);
     }
 
     void add(const Params&, const Ports& io, Context& context) {
@@ -105,6 +100,15 @@ struct RemapGrids : RemapNode {
 
     static void conclude(const Params&, const nlohmann::ordered_json& frames, Context& context) {
         report_result(frames, context);
+    }
+
+private:
+    /// A stated parameter that has no effect if frames are carved; empty: none.
+    static std::string idle_param(const Params& params) {
+        if (params.interpolation != Interpolation::linear) return "interpolation";
+        if (params.renormalize) return "renormalize";
+        if (params.conserve != Conserve::none) return "conserve";
+        return idle_rim(params);
     }
 };
 
@@ -163,7 +167,7 @@ struct RemapMesh : RemapNode {
     static bool animates(const Params& params) { return !params.static_; }
     static void foresee(const Params& params, Outlook& ahead) {
         if (!params.in_time) return foresee_part(params.count, ahead);
-        foresee_frames(params, params.static_ ? "static" : without_effect(params), ahead);
+        foresee_frames(params, params.static_ ? "static" : idle_rim(params), ahead);
     }
 
     void finish(const Params& params, Ports& io, Context& context) {
@@ -249,7 +253,7 @@ struct RemapPoints : RemapNode {
 
     static void foresee(const Params& params, Outlook& ahead) {
         if (!params.in_time) return foresee_carve(params.count, ahead);
-        foresee_frames(params, without_effect(params), ahead);
+        foresee_frames(params, idle_rim(params), ahead);
     }
 
     void run(const Params& params, Ports& io, Context& context) const {

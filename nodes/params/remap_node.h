@@ -45,8 +45,8 @@ protected:
     }
     /// @param idle  a stated parameter that has no effect if frames are carved; empty: none
     static void foresee_frames(const Params& params, const std::string& idle, Outlook& ahead);
-    /// The parameters of all nodes that have no effect on frames.
-    static std::string without_effect(const Params& params) {
+    /// "rim" if `rim` is stated; else empty.
+    static std::string idle_rim(const Params& params) {
         return params.rim != Rim::cut ? "rim" : "";
     }
     void finish_frames(const Params& params, const Seams& seams, Context& context);
