@@ -2,7 +2,9 @@
 
 #include "carve/volume/volume.h"
 
+#include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace fluidcarve::test {
 
@@ -31,6 +33,21 @@ VectorGrid::Ptr sampled_staggered(const openvdb::CoordBBox& box, double voxel, c
         return faces;
     });
     out->setGridClass(openvdb::GRID_STAGGERED);
+    return out;
+}
+
+/// The largest difference between a grid and `wanted(world position)` in a box; of vectors, the
+/// largest length.
+template <class Grid, class Wanted>
+double largest_error(const Grid& grid, const openvdb::CoordBBox& box, const Wanted& wanted) {
+    double out = 0;
+    for (auto at = box.begin(); at; ++at) {
+        const typename Grid::ValueType error =
+            grid.tree().getValue(*at) - wanted(grid.indexToWorld((*at).asVec3d()));
+        if constexpr (std::is_arithmetic_v<typename Grid::ValueType>)
+            out = std::max(out, static_cast<double>(std::abs(error)));
+        else out = std::max(out, static_cast<double>(error.length()));
+    }
     return out;
 }
 
