@@ -91,8 +91,9 @@ private:
     int first_;
 };
 
-/// Spans without the entries at their ends where all columns of all steps are displaced alike, also
-/// once they are smoothed.
+/// The spans, without entries at their ends that smoothing leaves as they are. Before the lowest
+/// bound of all steps, and behind the highest one, all entries are displaced alike. Smoothing mixes
+/// different displacements only where a bound is within its reach.
 /// @param reach  of the smoothing along the axis, entries
 std::vector<CarveStep::Span> where_smoothed(std::span<const CarveStep* const> steps,
                                             std::span<const CarveStep::Span> spans, int reach) {

@@ -18,12 +18,12 @@ std::size_t product(const std::array<int, 3>& counts) {
 }
 
 /// The points on both sides of a vertex.
-struct Between {
+struct PointsAround {
     std::size_t low, high;
     float weight;  ///< of the high one
 };
 
-Between between(int vertex, int vertices, int points, int factor, bool ring) {
+PointsAround points_around(int vertex, int vertices, int points, int factor, bool ring) {
     const int low = std::min(vertex / factor, points - 1), high = low + 1 < points ? low + 1
                                                                   : ring           ? 0
                                                                                    : low;
@@ -71,8 +71,8 @@ template <class Use>
 void Warp::with_column(std::size_t t, int lateral, int k, const Use& use) const {
     const auto all = values(t);
     const auto row = static_cast<std::size_t>(points_[0]);
-    const auto a = between(lateral, vertices_[1], points_[1], factor_, rings_.lateral),
-               b = between(k, vertices_[2], points_[2], factor_, rings_.w);
+    const auto a = points_around(lateral, vertices_[1], points_[1], factor_, rings_.lateral),
+               b = points_around(k, vertices_[2], points_[2], factor_, rings_.w);
     const auto from = [&](std::size_t j, std::size_t n) {
         return all.data() + (n * static_cast<std::size_t>(points_[1]) + j) * row;
     };
@@ -118,7 +118,7 @@ void Warp::anchor_at(const Anchor& anchor) {
             case Anchor::At::high: return column.back();
             case Anchor::At::vertex: break;
         }
-        const auto at = between(anchor.vertex, vertices_[0], points_[0], factor_, false);
+        const auto at = points_around(anchor.vertex, vertices_[0], points_[0], factor_, false);
         return mix(column[at.low], column[at.high], at.weight);
     };
     for (std::size_t t = 0; t < frames(); ++t) {

@@ -165,12 +165,12 @@ EnergyVolume restricted(const EnergyVolume& energy, Window window, float barrier
 
 /// The two coarse places around a fine one, and the weight of the nearer, in quarters: 4 if it is
 /// the only one.
-struct Between {
+struct CoarsePlaces {
     std::size_t near, other;
     int weight;
 };
 
-Between between(std::size_t fine, std::size_t fine_size, bool ring) {
+CoarsePlaces coarse_places(std::size_t fine, std::size_t fine_size, bool ring) {
     const auto size = halved(fine_size), near = fine / 2;
     if (fine_size < 2) return {near, near, 4};
     if (fine % 2 == 0) return {near, near > 0 ? near - 1 : ring ? size - 1 : near, 3};
@@ -197,13 +197,13 @@ std::vector<std::uint16_t> prolong_seam(const Columns& coarse, std::span<const s
                                         const Columns& fine, Window window) {
     std::vector<std::uint16_t> out(fine.count());
     tbb::parallel_for(std::size_t{0}, fine.slices() * fine.frames(), [&](std::size_t row) {
-        const auto k = between(row % fine.slices(), fine.slices(), fine.ring(1)),
-                   t = between(row / fine.slices(), fine.frames(), false);
+        const auto k = coarse_places(row % fine.slices(), fine.slices(), fine.ring(1)),
+                   t = coarse_places(row / fine.slices(), fine.frames(), false);
         for (std::size_t l = 0; l < fine.laterals(); ++l) {
-            const auto lateral = between(l, fine.laterals(), fine.ring(0));
+            const auto lateral = coarse_places(l, fine.laterals(), fine.ring(0));
             int sum = 0;
             for (int corner = 0; corner < 8; ++corner) {
-                const auto pick = [&](const Between& b, int bit) {
+                const auto pick = [&](const CoarsePlaces& b, int bit) {
                     return corner >> bit & 1 ? std::pair(b.other, 4 - b.weight)
                                              : std::pair(b.near, b.weight);
                 };

@@ -10,7 +10,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <optional>
+#include <ranges>
 
 namespace fluidcarve {
 
@@ -26,16 +28,15 @@ std::optional<NoSeam> blocked_seam(const EnergyVolume& energy, Window window, in
         const auto emptied =
             lowest_seam(columns, lowest, Band::whole(columns.count(), window), cost_at);
         if (!emptied) return;
-        const auto free = [&](std::size_t c) {
-            int out = 0;
-            for (int entry = window.first; entry <= window.last; ++entry)
-                out += std::isinf(cost_at(c, entry)) ? 0 : 1;
-            return out;
+        const auto free_at = [&](std::size_t c) {
+            return static_cast<int>(
+                std::ranges::count_if(std::views::iota(window.first, window.last + 1),
+                                      [&](int entry) { return !std::isinf(cost_at(c, entry)); }));
         };
         std::size_t blocked = 0;
-        while (blocked < columns.count() && free(blocked) > 0) ++blocked;
+        while (blocked < columns.count() && free_at(blocked) > 0) ++blocked;
         const auto column = blocked < columns.count() ? blocked : *emptied;
-        out.emplace(found, NoSeam::Bottleneck{column, window.size(), free(column)});
+        out.emplace(found, NoSeam::Bottleneck{column, window.size(), free_at(column)});
     });
     return out;
 }

@@ -182,8 +182,9 @@ struct OpenLine::Self {
     };
 
     std::size_t row_size = 0;
-    std::vector<double> kept;  ///< costs of the ways to the entries of every 32nd column and of the
-                               ///< last one, `[row][entry]`
+    /// Costs of the ways to the entries of every `apart`-th column and of the last one,
+    /// `[row][entry]`.
+    std::vector<double> kept;
     std::optional<Last> last;
     std::vector<double> found;
     std::vector<Extension> extensions;
