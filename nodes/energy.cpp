@@ -10,8 +10,6 @@
 #include "carve/energy/vorticity.h"
 #include "carve/field/active_range.h"
 #include "carve/field/collocate.h"
-#include "carve/field/differences.h"
-#include "carve/field/same_transform.h"
 #include "carve/field/stencil.h"
 #include "carve/volume/volume.h"
 #include "graph/types/node_type.h"

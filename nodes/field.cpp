@@ -3,7 +3,6 @@
 #include "carve/field/collocate.h"
 #include "carve/field/curl.h"
 #include "carve/field/curvature.h"
-#include "carve/field/differences.h"
 #include "carve/field/filter.h"
 #include "carve/field/gradient.h"
 #include "carve/field/jacobian.h"

@@ -1,8 +1,6 @@
 #include "nodes/grid.h"
 
-#include "carve/field/collocate.h"
 #include "carve/grid/crop.h"
-#include "carve/grid/each_grid.h"
 #include "carve/grid/named_grids.h"
 #include "carve/grid/prune.h"
 #include "carve/grid/resample.h"
@@ -10,8 +8,6 @@
 #include "graph/types/node_type.h"
 #include "nodes/params/check_params.h"
 #include "nodes/params/voxels_of.h"
-
-#include <openvdb/tools/Prune.h>
 
 #include <string>
 #include <vector>
@@ -33,10 +29,9 @@ struct Crop {
     }
 
     static void run(const Params& params, Ports& io, Context&) {
-        const auto at = [](const Vec3& corner) {
-            return openvdb::Vec3d(corner[0], corner[1], corner[2]);
-        };
-        io.volume = std::make_shared<Volume>(cropped(*io.source, {at(params.min), at(params.max)}));
+        const openvdb::BBoxd box(openvdb::Vec3d(params.min.data()),
+                                 openvdb::Vec3d(params.max.data()));
+        io.volume = std::make_shared<Volume>(cropped(*io.source, box));
     }
 };
 

@@ -1,14 +1,11 @@
 #include "nodes/mask.h"
 
 #include "carve/field/active_range.h"
-#include "carve/field/extent.h"
 #include "carve/field/missed_range.h"
-#include "carve/field/same_transform.h"
 #include "carve/field/stencil.h"
 #include "carve/mask/below_surface.h"
 #include "carve/mask/box.h"
 #include "carve/mask/combine.h"
-#include "carve/mask/convex.h"
 #include "carve/mask/dilate.h"
 #include "carve/mask/mesh.h"
 #include "carve/mask/sphere.h"
@@ -17,13 +14,11 @@
 #include "carve/mesh/made_once.h"
 #include "carve/mesh/mesh.h"
 #include "carve/volume/volume.h"
-#include "formats/mesh_file/topology.h"
 #include "graph/types/node_type.h"
 #include "nodes/params/check_params.h"
 
 #include <fmt/format.h>
 #include <openvdb/tools/Count.h>
-#include <openvdb/tools/Morphology.h>
 
 #include <array>
 #include <limits>

@@ -3,7 +3,6 @@
 #include "carve/base/values.h"
 #include "carve/energy/curvature.h"
 #include "carve/energy/kinetic.h"
-#include "carve/field/stencil.h"
 
 namespace fluidcarve {
 

@@ -5,7 +5,6 @@
 #include "carve/energy/kinetic.h"
 #include "carve/energy/vorticity.h"
 #include "carve/field/collocate.h"
-#include "carve/field/stencil.h"
 
 namespace fluidcarve {
 

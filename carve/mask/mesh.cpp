@@ -1,7 +1,6 @@
 #include "carve/mask/mesh.h"
 
 #include "carve/base/failure.h"
-#include "carve/field/stencil.h"
 #include "carve/mask/threshold.h"
 #include "carve/mesh/edges.h"
 #include "carve/mesh/made_once.h"

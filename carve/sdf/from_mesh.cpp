@@ -1,7 +1,6 @@
 #include "carve/sdf/from_mesh.h"
 
 #include "carve/base/failure.h"
-#include "carve/field/stencil.h"
 #include "carve/mesh/edges.h"
 #include "carve/mesh/made_once.h"
 #include "carve/mesh/triangles.h"

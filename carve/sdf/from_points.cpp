@@ -1,7 +1,6 @@
 #include "carve/sdf/from_points.h"
 
 #include "carve/base/failure.h"
-#include "carve/field/stencil.h"
 #include "carve/sdf/balls.h"
 
 #include <fmt/format.h>

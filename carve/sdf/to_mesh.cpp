@@ -1,7 +1,5 @@
 #include "carve/sdf/to_mesh.h"
 
-#include "carve/field/stencil.h"
-
 #include <openvdb/tools/VolumeToMesh.h>
 
 #include <array>

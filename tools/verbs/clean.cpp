@@ -3,8 +3,8 @@
 #include "carve/base/failure.h"
 #include "carve/base/numbers.h"
 #include "carve/base/words.h"
+#include "runtime/flow/options.h"
 #include "runtime/keep/work_folder.h"
-#include "runtime/run/run.h"
 #include "runtime/tell/exit_codes.h"
 #include "tools/verbs/arguments.h"
 

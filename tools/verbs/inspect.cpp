@@ -3,7 +3,7 @@
 #include "carve/base/frame_set.h"
 #include "carve/base/one_line.h"
 #include "carve/base/words.h"
-#include "runtime/run/run.h"
+#include "runtime/tell/exit_codes.h"
 #include "tools/inspect/inspectors.h"
 #include "tools/inspect/summary.h"
 #include "tools/reading/read_in_child.h"

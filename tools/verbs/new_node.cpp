@@ -1,7 +1,7 @@
 #include "tools/verbs/verbs.h"
 
 #include "graph/types/registry.h"
-#include "runtime/run/run.h"
+#include "runtime/tell/exit_codes.h"
 #include "tools/verbs/arguments.h"
 #include "tools/verbs/new_node_texts.h"
 

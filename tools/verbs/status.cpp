@@ -1,8 +1,8 @@
 #include "tools/verbs/verbs.h"
 
+#include "runtime/flow/options.h"
 #include "runtime/jobs/job_status.h"
 #include "runtime/keep/work_folder.h"
-#include "runtime/run/run.h"
 #include "runtime/tell/exit_codes.h"
 #include "tools/verbs/arguments.h"
 
