@@ -85,7 +85,7 @@ EnergyVolume costs_of(const Picture& picture, bool forward) {
         std::vector<std::uint16_t> codes(picture.pixels.size());
         std::ranges::transform(picture.pixels, codes.begin(), encode_field);
         out.set_field(0, codes);
-        out.count_edges();
+        out.count_edges({});
         return out;
     }
     for (std::size_t y = 0; y < picture.height; ++y)

@@ -70,7 +70,7 @@ public:
     /// Sets how many entries on each side share the energy of an entry that remove() deletes.
     /// @param entries  0: none
     /// @param edges    they share its edge cost, if edges are counted, in place of its energy
-    void set_spread(int entries, bool edges = false) {
+    void set_spread(int entries, bool edges) {
         spread_ = entries;
         spreads_edges_ = edges;
     }
@@ -90,7 +90,7 @@ public:
     /// side; for a column's first and last entry, the edge between itself and the next.
     /// @param limits  of the energies without edges
     /// @throws Failure as FrameStore
-    void count_edges(const Limits& limits = {});
+    void count_edges(const Limits& limits);
 
     /// Counts the protected and attracted vertices. Until then protects() and attracts() are
     /// false.

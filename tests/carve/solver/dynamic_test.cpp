@@ -152,12 +152,12 @@ TEST_CASE("seams that begin with what the last one left are those found anew") {
         const int width = 40 + static_cast<int>(random() % 300);
         const ColumnGraph graph(n % 3 == 0 ? std::array{1, 1, columns} : std::array{columns, 1, 1});
         auto energy = random_volume(random, graph, width, n % 4 == 0 ? 3 : 1024);
-        energy.set_spread(n % 5);
+        energy.set_spread(n % 5, false);
         if (n % 2 == 0) energy.set_step_prices({.rigidity = {2, 3}});
         const bool edges = n % 3 == 1;
         if (edges) {
             add_field(energy, 0.5f, [&](auto, auto) { return random() % 64; });
-            energy.count_edges();
+            energy.count_edges({});
         }
         if (n % 7 == 0) {
             for (std::size_t t = 0; t < energy.frames(); ++t)

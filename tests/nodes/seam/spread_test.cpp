@@ -43,7 +43,7 @@ TEST_CASE(
     "a taken entry's energy goes in equal shares to those within `spread`, and only to the "
     "window") {
     auto energy = column_of({8, 1, 4, 2, 16, 32});
-    energy.set_spread(2);
+    energy.set_spread(2, false);
     const std::vector<std::uint16_t> at{2};
     SECTION("to both sides") {
         energy.remove(at, {0, 5});
@@ -63,7 +63,7 @@ TEST_CASE(
         CHECK(decode_energy(energy.codes(0)[3]) == 18);
     }
     SECTION("and nowhere without a spread") {
-        energy.set_spread(0);
+        energy.set_spread(0, false);
         energy.remove(at, {0, 5});
         CHECK(values_of(energy) == std::vector<float>{8, 1, 2, 16, 32});
     }
@@ -74,7 +74,7 @@ TEST_CASE("a still seam hands on in the sum") {
     for (std::size_t t = 0; t < 2; ++t)
         for (std::size_t n = 0; n < 4; ++n)
             energy.codes(t)[n] = encode_energy(static_cast<float>(n + 1));
-    energy.set_spread(1);
+    energy.set_spread(1, false);
     auto sum = energy.sum();
     sum.remove(std::vector<std::uint16_t>{1}, {0, 3});
     CHECK(std::vector<float>(sum.cells<float>(0), sum.cells<float>(0) + 3) ==
@@ -88,8 +88,8 @@ TEST_CASE("with forward costs the energy is handed on and edges are counted anew
         return out;
     };
     auto energy = make({1, 2, 4, 8, 16, 32});
-    energy.count_edges();
-    energy.set_spread(1);
+    energy.count_edges({});
+    energy.set_spread(1, false);
     energy.remove(std::vector<std::uint16_t>{2}, {0, 5});
     // The field is 0 1 9 16 25 now.
     CHECK(values_of(energy) == std::vector<float>{1 + 1, 4 + 9, 10 + 15, 16 + 16, 32 + 9});

@@ -116,8 +116,8 @@ TEST_CASE(
                 field[t * columns + n / width].push_back(codes[n]);
             }
         }
-        energy.count_edges();
-        energy.set_spread(spread);
+        energy.count_edges({});
+        energy.set_spread(spread, false);
         const Window window = spread == 3 ? Window{1, width - 2} : Window{0, width - 1};
         for (int left = width; left > 5; --left) {
             const Window now{window.first, window.last - (width - left)};

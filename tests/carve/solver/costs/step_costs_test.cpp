@@ -95,7 +95,7 @@ struct Paid {
         add_field(out, static_cast<float>(weight), [&](std::size_t t, std::size_t n) {
             return field[t * out.columns_per_frame() * out.stride() + n];
         });
-        out.count_edges();
+        out.count_edges({});
         return out;
     }
     /// What a seam leaves.
@@ -124,7 +124,7 @@ EnergyVolume forward_smoke(const std::array<int, 3>& shape, std::size_t frames, 
     out.set_step_prices({.rigidity = {0.02f, 0.05f}});
     add_field(out, 0.5f,
               [&](std::size_t t, std::size_t n) { return decode_energy(field.codes(t)[n]); });
-    out.count_edges();
+    out.count_edges({});
     return out;
 }
 
