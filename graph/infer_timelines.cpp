@@ -36,10 +36,9 @@ FrameSet infer_timelines(const std::vector<Node*>& nodes, const FrameSet& sequen
     for (auto* const node : nodes) {
         node->input_frames = frames_taken(*node, nodes, sequence, problems);
         node->frames = node->input_frames;
-        if (!node->params || !node->retimes()) continue;
+        if (!node->retimes()) continue;
         try {
-            node->frames =
-                FrameSet(node->type->retimes(node->params.get(), node->input_frames.frames()));
+            node->frames = FrameSet(node->traits.retimes(node->input_frames.frames()));
         } catch (const Failure& failure) {
             add(problems, node->mark, failure.what());
         }

@@ -42,6 +42,7 @@ struct Node {
                         ///< are not rewritten
     bool digests_kept = false;     ///< digests of frames are cached in the work folder
     bool gathers = false;          ///< takes all frames, in order, before it delivers
+    NodeTraits traits;             ///< of the type with these parameters
     Rate rate = Rate::fixed;       ///< how often it delivers, or runs if it has no outputs
     bool per_frame_input = false;  ///< at least one input arrives per frame
     FrameSet input_frames;         ///< the frames that its inputs have
@@ -66,7 +67,7 @@ struct Node {
 
     bool streams_in() const { return gathers && per_frame_input; }  ///< it gathers frame by frame
     /// Whether its outputs have other frames than its inputs.
-    bool retimes() const { return type && type->retimes && streams_in(); }
+    bool retimes() const { return traits.retimes && streams_in(); }
 };
 
 /// A checked pipeline: typed, acyclic, complete. Each node comes after the nodes that it reads.

@@ -226,20 +226,19 @@ void PipelineBuilder::infer_rates() {
                     inputs_differ || (rate == Rate::frame && !node.type->inputs[n].summed);
                 inputs = std::max(inputs, rate);
             }
-        node.gathers = node.params && node.type->gathers(node.params.get());
+        if (node.params && node.type->traits) node.traits = node.type->traits(node.params.get());
+        node.gathers = node.params && node.type->gathers && node.traits.gathers;
         const bool reads = reads_frames(node);
         bool from_sequence = reads;
         for (const auto& link : node.links())
             from_sequence = from_sequence || sequences_.contains(nodes_[link.node].node.name);
         if (from_sequence) sequences_.insert(node.name);
 
-        const bool animates =
-            node.params && node.type->animates && node.type->animates(node.params.get());
+        const auto& animates = node.traits.animates;
         // A node that gathers can only tell frames apart by its inputs.
-        const bool moves = reads || (animates && (!node.gathers || node.per_frame_input));
-        const bool one_result =
-            !node.type->per_frame_outputs ||
-            (node.gathers && (!inputs_differ || (node.type->animates && !animates)));
+        const bool moves = reads || (animates == true && (!node.gathers || node.per_frame_input));
+        const bool one_result = !node.type->per_frame_outputs ||
+                                (node.gathers && (!inputs_differ || animates == false));
         if (moves) node.rate = Rate::frame;
         else if (node.per_frame_input && one_result) node.rate = Rate::sequence;
         else node.rate = inputs;

@@ -48,7 +48,9 @@ struct RangeParams {
 template <class Node>
 class EnergySum {
 public:
-    static bool gathers(const RangeParams& params) { return params.range.gathers(); }
+    static NodeTraits traits(const RangeParams& params) {
+        return {.gathers = params.range.gathers()};
+    }
     static std::shared_ptr<FrameRanges> digest(const auto& params, const auto& io,
                                                Context& context) {
         std::vector<Ref<FloatGrid>> energies;
@@ -199,7 +201,7 @@ struct EnergyRemap {
 
     Interval gathered = empty_range;
 
-    static bool gathers(const Params& params) { return !params.range; }
+    static NodeTraits traits(const Params& params) { return {.gathers = !params.range}; }
 
     static void check(const Params& params, NodeCheck& check) {
         if (!params.clamp && params.gamma != 1)

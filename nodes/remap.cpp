@@ -164,7 +164,11 @@ struct RemapMesh : RemapNode {
         Ref<Mesh> mesh;
     };
 
-    static bool animates(const Params& params) { return !params.static_; }
+    static NodeTraits traits(const Params& params) {
+        auto out = RemapNode::traits(params);
+        out.animates = !params.static_;
+        return out;
+    }
     static void foresee(const Params& params, Outlook& ahead) {
         if (!params.in_time) return foresee_part(params.count, ahead);
         foresee_frames(params, params.static_ ? "static" : idle_rim(params), ahead);

@@ -240,7 +240,7 @@ struct RigPoints {
     };
 
     /// Tells that there is one rig per frame, since the node has no input.
-    static bool animates(const Params& params) { return !params.frames.empty(); }
+    static NodeTraits traits(const Params& params) { return {.animates = !params.frames.empty()}; }
 
     static void check(const Params& params, NodeCheck& check) {
         if (check.stated("points") == check.stated("frames"))

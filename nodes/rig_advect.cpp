@@ -64,7 +64,7 @@ public:
         Ref<Rig> rig;
     };
 
-    static bool animates(const Params& params) { return params.animate; }
+    static NodeTraits traits(const Params& params) { return {.animates = params.animate}; }
 
     static void check(const Params& params, NodeCheck& check) {
         check_direction("up", params.up, check);

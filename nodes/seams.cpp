@@ -15,6 +15,8 @@
 #include "nodes/params/carve_inputs.h"
 #include "nodes/solving/foreseen.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -41,7 +43,8 @@ struct Choose {
     static void foresee(const Params&, Outlook& ahead) {
         if (receives_warp(ahead)) ahead.fault(nothing_to_choose);
     }
-    static bool wants(const Params&, const Context& context) {
+    static NodeTraits traits(const Params&) { return {.takes = &takes}; }
+    static bool takes(const Context& context) {
         const auto all = context.frames().size(), shown = std::min(all, most_frames);
         // The middle frame of each of `shown` equal parts.
         for (std::size_t n = 0; n < shown; ++n)
@@ -49,8 +52,8 @@ struct Choose {
         return false;
     }
 
-    void add(const Params& params, const Ports& io, Context& context) {
-        if (context.per_frame() && !wants(params, context)) return;
+    void add(const Params&, const Ports& io, Context& context) {
+        if (context.per_frame() && !takes(context)) return;
         const auto& seams = *io.seams;
         if (seams.warp) throw Failure(nothing_to_choose);
         if (seams.paired())
@@ -109,7 +112,7 @@ struct CurvesWrite {
         Ref<Seams> seams;
     };
     /// Seams differ from frame to frame.
-    static bool animates(const Params&) { return true; }
+    static NodeTraits traits(const Params&) { return {.animates = true}; }
 
     static void check(const Params& params, NodeCheck& check) {
         const auto ending = ending_of(params.path.text());

@@ -17,6 +17,7 @@
 #include "nodes/params/pace_params.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -67,10 +68,12 @@ public:
                                             *params.fade, least));
     }
 
-    static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) {
-        const auto place = Place(params, frames);
-        return even_frames(place.first, place.step,
-                           static_cast<double>(params.lengths.of[1]) * params.loops);
+    static NodeTraits traits(const Params& params) {
+        return {.retimes = [&params](const std::vector<int>& frames) {
+            const auto place = Place(params, frames);
+            return even_frames(place.first, place.step,
+                               static_cast<double>(params.lengths.of[1]) * params.loops);
+        }};
     }
 
 protected:

@@ -17,6 +17,7 @@
 #include "nodes/params/pace_params.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -51,8 +52,10 @@ constexpr auto scale_doc =
 /// The base of all nodes that retime.
 struct Paced {
     static void check(const PaceParams& params, NodeCheck& check) { check_pace(params, check); }
-    static std::vector<int> retimes(const PaceParams& params, const std::vector<int>& frames) {
-        return pace_of(params, frames).frames();
+    static NodeTraits traits(const PaceParams& params) {
+        return {.retimes = [&params](const std::vector<int>& frames) {
+            return pace_of(params, frames).frames();
+        }};
     }
 };
 

@@ -72,8 +72,10 @@ struct UsdWrite {
 
     /// One frame tells which grids there are. So a part of the frames gives the same file as all
     /// of them.
-    static bool wants(const Params&, const Context& context) {
-        return context.t() == typical_place(context.frames().size());
+    static NodeTraits traits(const Params&) {
+        return {.takes = [](const Context& context) {
+            return context.t() == typical_place(context.frames().size());
+        }};
     }
 
     void add(const Params& params, const Ports& io, Context& context) {

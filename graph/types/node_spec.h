@@ -2,10 +2,10 @@
 
 #include "formats/file/path_pattern.h"
 #include "graph/types/context.h"
-#include "graph/types/further_dependencies.h"
 #include "graph/types/growth.h"
 #include "graph/types/node_check.h"
 #include "graph/types/node_hooks.h"
+#include "graph/types/node_traits.h"
 #include "graph/types/outlook.h"
 #include "graph/types/param.h"
 #include "graph/types/payload.h"
@@ -128,7 +128,8 @@ struct NodeType {
     std::vector<InputSpec> inputs;
     std::vector<OutputSpec> outputs;
     std::vector<ParamSpec> params;
-    std::string outputs_param;      ///< the parameter that names further outputs, or empty
+    std::string outputs_param;  ///< the parameter that names further outputs, or empty
+    bool gathers = false;       ///< it has `add` and `finish`; NodeTraits::gathers: they are called
     bool per_frame_outputs = true;  ///< false: `finish` makes the outputs, once
     int version = 1;    ///< part of the cache key: cached results of another version are not used
     bool kept = false;  ///< results are cached in the work folder, unless the pipeline states
@@ -154,14 +155,7 @@ struct NodeType {
     std::string names_from;
 
     std::function<std::shared_ptr<void>()> make_params;
-    std::function<bool(const void* params)> gathers;
-    /// Whether a gathering node needs the frame of the context; empty: always.
-    std::function<bool(const void* params, const Context&)> wants;
-    /// Whether results change per frame though no input or file does; empty: never.
-    std::function<bool(const void* params)> animates;
-    /// The frames in which a gathering node delivers, given the frames that it takes; empty: the
-    /// same.
-    std::function<std::vector<int>(const void* params, const std::vector<int>& frames)> retimes;
+    std::function<NodeTraits(const void* params)> traits;  ///< empty: as NodeTraits's defaults
     /// Empty: outputs promise nothing.
     std::function<std::optional<Promise>(const void* params)> promise;
     std::function<void(const void* params, NodeCheck&)> check;
@@ -172,7 +166,6 @@ struct NodeType {
     /// Called after a run with what the node reported of all its frames; empty: nothing to say.
     std::function<void(const void* params, const nlohmann::ordered_json& frames, Context&)>
         conclude;
-    std::function<FurtherDependencies(const void* params)> depends;  ///< empty: on nothing else
     std::function<std::vector<OutputSpec>(const void* params)> named_outputs;
     std::function<Behaviour(std::shared_ptr<const void> params)> bind;
 

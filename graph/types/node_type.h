@@ -2,11 +2,11 @@
 
 #include "formats/file/path_pattern.h"
 #include "graph/types/context.h"
-#include "graph/types/further_dependencies.h"
 #include "graph/types/growth.h"
 #include "graph/types/node_check.h"
 #include "graph/types/node_hooks.h"
 #include "graph/types/node_spec.h"
+#include "graph/types/node_traits.h"
 #include "graph/types/outlook.h"
 #include "graph/types/param.h"
 #include "graph/types/payload.h"
@@ -44,10 +44,6 @@ namespace fluidcarve {
 ///         sets the outputs, unless there is a run
 ///     void run(const Params&, Ports&, Context&) const;
 ///         optional; called per frame after finish; sets the outputs
-///     static bool gathers(const Params&);
-///         optional; false: add and finish are not called
-///     static bool wants(const Params&, const Context&);
-///         optional; false: add is not called for this frame
 ///
 /// If `add` needs only data that is much smaller than the frame, or expensive to compute, that data
 /// can be a digest. Digests are computed for many frames concurrently and cached, so that later
@@ -60,11 +56,8 @@ namespace fluidcarve {
 ///
 /// Any node may also have
 ///
-///     static bool animates(const Params&);
-///         true: runs per frame, even if no input or file does; false, if it gathers: has one
-///         result
-///     static std::vector<int> retimes(const Params&, const std::vector<int>&);
-///         frames in which a node that gathers delivers, by those it takes
+///     static NodeTraits traits(const Params&);
+///         states whether it gathers, which frames it takes, and what its results depend on
 ///     static void check(const Params&, NodeCheck&);
 ///         finds faults that involve several fields
 ///     static void survey(const Params&, Survey&);
@@ -73,8 +66,6 @@ namespace fluidcarve {
 ///         looks before the run at where its inputs lie
 ///     static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&);
 ///         with Declare::concludes
-///     static FurtherDependencies depends(const Params&);
-///         names what its results depend on, too, such as what a script imports
 ///
 /// `conclude` is called once after a run if all of the node's frames are done, in this run or an
 /// earlier one. `frames` holds the reports of one section by frame number; of a node that runs
@@ -105,21 +96,15 @@ public:
         type_.name = std::move(name);
         type_.doc = std::move(doc);
         type_.make_params = [] { return std::make_shared<Params>(); };
+        type_.gathers = has_add;
         type_.per_frame_outputs = has_run;
-        FLUIDCARVE_TAKE_HOOK(gathers, "static bool gathers(const Params&)");
-        if constexpr (!has_add || !detail::has_gathers<Node>)
-            type_.gathers = [](const void*) { return has_add; };
-        FLUIDCARVE_TAKE_HOOK(wants, "static bool wants(const Params&, const Context&)");
-        FLUIDCARVE_TAKE_HOOK(animates, "static bool animates(const Params&)");
-        FLUIDCARVE_TAKE_HOOK(
-            retimes, "static std::vector<int> retimes(const Params&, const std::vector<int>&)");
+        FLUIDCARVE_TAKE_HOOK(traits, "static NodeTraits traits(const Params&)");
         FLUIDCARVE_TAKE_HOOK(check, "static void check(const Params&, NodeCheck&)");
         FLUIDCARVE_TAKE_HOOK(survey, "static void survey(const Params&, Survey&)");
         FLUIDCARVE_TAKE_HOOK(foresee, "static void foresee(const Params&, Outlook&)");
         FLUIDCARVE_TAKE_HOOK(
             conclude,
             "static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&)");
-        FLUIDCARVE_TAKE_HOOK(depends, "static FurtherDependencies depends(const Params&)");
         type_.bind = &bind;
     }
 
@@ -377,7 +362,7 @@ private:
             };
         if constexpr (has_add) {
             bool gathers = true;
-            if constexpr (detail::has_gathers<Node>) gathers = Node::gathers(*params);
+            if constexpr (detail::has_traits<Node>) gathers = Node::traits(*params).gathers;
             if (gathers) {
                 if constexpr (has_digest) {
                     using Digest = typename Digested<Node>::type;

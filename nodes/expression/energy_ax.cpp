@@ -23,7 +23,7 @@ struct EnergyAx {
     static void check(const Params& params, NodeCheck& check) {
         check_ax(params, energy_output, check);
     }
-    static bool animates(const Params& params) { return may_read_moment(params); }
+    static NodeTraits traits(const Params& params) { return {.animates = may_read_moment(params)}; }
 
     void run(const Params& params, Ports& io, Context& context) const {
         const auto energy = program.run(params, energy_output, 0, io.inputs, context);

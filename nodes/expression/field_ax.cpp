@@ -20,7 +20,7 @@ struct FieldAx {
     static void check(const Params& params, NodeCheck& check) {
         check_ax(params, field_output, check);
     }
-    static bool animates(const Params& params) { return may_read_moment(params); }
+    static NodeTraits traits(const Params& params) { return {.animates = may_read_moment(params)}; }
 
     void run(const Params& params, Ports& io, Context& context) const {
         io.out = program.run(params, field_output, -std::numeric_limits<float>::infinity(),

@@ -64,13 +64,16 @@ struct PreviewPage {
             [&](const auto& there) { require_grid("before", *params.grid, there); });
     }
 
-    static bool wants(const Params& params, const Context& context) {
+    static bool takes(const Params& params, const Context& context) {
         return is_shown(context.t(), context.frames().size(),
                         params.frames.value_or(default_frames));
     }
+    static NodeTraits traits(const Params& params) {
+        return {.takes = [&params](const Context& context) { return takes(params, context); }};
+    }
 
     void add(const Params& params, const Ports& io, Context& context) {
-        if (context.per_frame() && !wants(params, context)) return;
+        if (context.per_frame() && !takes(params, context)) return;
         PageFrame frame;
         frame.number = context.frame();
         frame.before = grid_of(*io.before, params.grid);

@@ -5,6 +5,7 @@
 #include "carve/volume/cubes.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 

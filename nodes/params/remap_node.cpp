@@ -12,8 +12,11 @@ void RemapNode::check(const Params& params, NodeCheck& check) {
     check_join(params, check);
 }
 
-std::vector<int> RemapNode::retimes(const Params& params, const std::vector<int>& frames) {
-    return params.in_time->left(params.count, frames);
+NodeTraits RemapNode::traits(const Params& params) {
+    return {.gathers = params.in_time.has_value(),
+            .retimes = [&params](const std::vector<int>& frames) {
+                return params.in_time->left(params.count, frames);
+            }};
 }
 
 void RemapNode::foresee_frames(const Params& params, const std::string& idle, Outlook& ahead) {
@@ -43,7 +46,7 @@ void RemapNode::foresee_frames(const Params& params, const std::string& idle, Ou
 
 void RemapNode::finish_frames(const Params& params, const Seams& seams, Context& context) {
     frames_.finish(seams, seams_of(params.count, seams).value_or(seams.size()),
-                   retimes(params, frames_.numbers()), params, context.limits().memory);
+                   traits(params).retimes(frames_.numbers()), params, context.limits().memory);
 }
 
 }  // namespace fluidcarve

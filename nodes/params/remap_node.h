@@ -27,8 +27,7 @@ public:
     };
 
     static void check(const Params& params, NodeCheck& check);
-    static bool gathers(const Params& params) { return params.in_time.has_value(); }
-    static std::vector<int> retimes(const Params& params, const std::vector<int>& frames);
+    static NodeTraits traits(const Params& params);
     void add(const Params&, const auto& io, Context& context) {
         frames_.add(io.source, io.lattice, context.frame(), context.limits());
     }

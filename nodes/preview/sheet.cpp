@@ -136,12 +136,15 @@ struct Sheet {
         if (has("before")) has("after");
     }
 
-    static bool wants(const Params& params, const Context& context) {
+    static bool takes(const Params& params, const Context& context) {
         return is_shown(context.t(), context.frames().size(), params.frames);
+    }
+    static NodeTraits traits(const Params& params) {
+        return {.takes = [&params](const Context& context) { return takes(params, context); }};
     }
 
     void add(const Params& params, const Ports& io, Context& context) {
-        if (context.per_frame() && !wants(params, context)) return;
+        if (context.per_frame() && !takes(params, context)) return;
         SheetFrame frame;
         frame.name = context.per_frame() ? fmt::format("frame {}", context.frame()) : "all frames";
         frame.number = context.frame();

@@ -56,8 +56,11 @@ struct GridScriptNode {
 
     GridScript script;
 
-    static FurtherDependencies depends(const Params& params) { return script_depends(params); }
-    static bool gathers(const Params& params) { return script_gathers(params); }
+    static NodeTraits traits(const Params& params) {
+        auto out = script_traits(params);
+        out.gathers = script_gathers(params);
+        return out;
+    }
     void add(const Params& params, const Ports& io, Context& context) {
         script.add(params, io.inputs, context);
     }

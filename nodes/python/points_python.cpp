@@ -92,7 +92,7 @@ struct PointsPython {
             return check.fault("inputs", "'inputs' names no points; name at least one");
         check_script(params, "points", check.names("inputs"), check);
     }
-    static FurtherDependencies depends(const Params& params) { return script_depends(params); }
+    static NodeTraits traits(const Params& params) { return script_traits(params); }
 
     static void run(const Params& params, Ports& io, Context& context) {
         std::vector<PointTable> inputs;

@@ -102,8 +102,8 @@ void check_script(const PythonParams& params, const std::string& function,
     }
 }
 
-FurtherDependencies script_depends(const PythonParams& params) {
-    return known().of(params).further;
+NodeTraits script_traits(const PythonParams& params) {
+    return {.depends = [&params] { return known().of(params).further; }};
 }
 
 bool script_gathers(const PythonParams& params) { return known().of(params).gathers; }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/types/further_dependencies.h"
+#include "graph/types/node_traits.h"
 #include "graph/types/param.h"
 #include "nodes/python/python_value.h"
 #include "nodes/python/worker.h"
@@ -32,9 +32,9 @@ void check_script(const PythonParams& params, const std::string& function,
                   const std::vector<std::string>& inputs, NodeCheck& check,
                   const std::vector<std::string>& offered = {});
 
-/// The modules that the script imports from its own folder, and its VERSION. Of a script that can't
-/// be imported: nothing.
-FurtherDependencies script_depends(const PythonParams& params);
+/// The results depend on the modules that the script imports from its own folder, and its VERSION.
+/// Of a script that can't be imported: on nothing.
+NodeTraits script_traits(const PythonParams& params);
 
 /// Whether the script has a function `add`, which sees all frames, as its check found.
 bool script_gathers(const PythonParams& params);

@@ -28,12 +28,15 @@ struct RigPython {
         Ref<Rig> rig;
     };
 
-    static bool animates(const Params& params) { return params.animate; }
+    static NodeTraits traits(const Params& params) {
+        auto out = script_traits(params);
+        out.animates = params.animate;
+        return out;
+    }
     static void check(const Params& params, NodeCheck& check) {
         check_direction("up", params.up, check);
         check_script(params, "rig", check.names("inputs"), check);
     }
-    static FurtherDependencies depends(const Params& params) { return script_depends(params); }
 
     static void run(const Params& params, Ports& io, Context& context) {
         Rig rig{{}, params.closed, openvdb::Vec3d(params.up.data()), {}};

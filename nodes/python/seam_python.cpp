@@ -160,7 +160,7 @@ struct SeamPython : SeamNode {
         check_script(params, "seam", {"energy"}, check,
                      has_field ? std::vector<std::string>{"field"} : std::vector<std::string>{});
     }
-    static FurtherDependencies depends(const Params& params) { return script_depends(params); }
+    static NodeTraits traits(const Params& params) { return script_traits(params); }
     void finish(const Params& params, Ports& io, Context& context) {
         solve(params, io, context,
               [&](const EnergyVolume& energy, Window window, int, const Tick& tick) {

@@ -5,6 +5,8 @@
 #include "carve/solver/task/task_bounds.h"
 #include "nodes/solving/report.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <memory>
 #include <utility>

@@ -12,8 +12,8 @@ std::vector<std::string> named_files(const Node& node, int frame) {
         const auto& path = spec.path(node.params.get());
         if (!path.text().empty()) out.push_back(path.at(frame));
     }
-    if (node.type->depends)
-        std::ranges::move(node.type->depends(node.params.get()).files, std::back_inserter(out));
+    if (node.traits.depends)
+        std::ranges::move(node.traits.depends().files, std::back_inserter(out));
     return out;
 }
 
@@ -35,8 +35,8 @@ Dependencies::OfNode Dependencies::of(std::size_t n) const {
              either_way ? std::nullopt
                         : std::optional(grows ? type.growth->rest(node.params.get()) : text)});
     }
-    if (type.depends)
-        if (const auto version = type.depends(node.params.get()).version; !version.empty())
+    if (node.traits.depends)
+        if (const auto version = node.traits.depends().version; !version.empty())
             out.params.push_back({"VERSION", version, version});
     for (std::size_t i = 0; i < node.inputs.size(); ++i)
         for (std::size_t l = 0; l < node.inputs[i].size(); ++l) {

@@ -28,10 +28,10 @@ void describe(Hasher& hash, const Dependencies::OfNode& of,
 }  // namespace
 
 Keys::Keys(const Pipeline& pipeline, const Dependencies& dependencies,
-           std::function<bool(std::size_t node, std::size_t t)> wants)
+           std::function<bool(std::size_t node, std::size_t t)> takes)
     : pipeline_(pipeline),
       dependencies_(dependencies),
-      wants_(std::move(wants)),
+      takes_(std::move(takes)),
       entries_(pipeline.nodes.size()),
       digests_(pipeline.nodes.size()),
       gathered_(pipeline.nodes.size()) {
@@ -81,7 +81,7 @@ Hash Keys::gathered(std::size_t n) {
     for (const auto frame : dependencies_.frames_of(n))
         hash.number(static_cast<std::uint64_t>(frame));
     for (std::size_t t = 0; t < dependencies_.frames().size(); ++t)
-        if (wants_(n, t)) hash.hash(digest(n, t));
+        if (takes_(n, t)) hash.hash(digest(n, t));
     add_inputs(hash, of, 0, nullptr, false);
     hash.hash(dependencies_.contents(n, 0));
     known = hash.digest();

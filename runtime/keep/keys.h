@@ -16,9 +16,9 @@ namespace fluidcarve {
 /// nodes. Equal keys mean equal results. Thread-safe.
 class Keys {
 public:
-    /// @param wants  whether a gathering node takes frame `t` (an index in the sequence)
+    /// @param takes  whether a gathering node takes frame `t` (an index in the sequence)
     Keys(const Pipeline& pipeline, const Dependencies& dependencies,
-         std::function<bool(std::size_t node, std::size_t t)> wants);
+         std::function<bool(std::size_t node, std::size_t t)> takes);
 
     /// Key of a node's result for frame `t`; `t` is ignored if the node delivers once.
     Hash result(std::size_t node, std::size_t t);
@@ -40,7 +40,7 @@ private:
 
     const Pipeline& pipeline_;
     const Dependencies& dependencies_;
-    const std::function<bool(std::size_t, std::size_t)> wants_;
+    const std::function<bool(std::size_t, std::size_t)> takes_;
     std::recursive_mutex mutex_;
     std::vector<std::vector<std::optional<Hash>>> entries_, digests_;  ///< `[node][t]`
     std::vector<std::optional<Hash>> gathered_;

@@ -52,7 +52,7 @@ private:
             for (const auto n : plan_.passes[pass].delivers)
                 if (known_.delivers(n, t) && !known_.result(n, t)) work({Visit::frame, n, t, pass});
             for (const auto n : plan_.passes[pass].gathering)
-                if (plan_.digested[n] && known_.wants(n, t)) work({Visit::consume, n, t});
+                if (plan_.digested[n] && known_.takes(n, t)) work({Visit::consume, n, t});
         }
     }
 
@@ -126,7 +126,7 @@ private:
 
     void consume_all(std::size_t n) {
         for (std::size_t t = 0; t < delivered_.size(); ++t)
-            if (known_.wants(n, t)) later({Visit::consume, n, t});
+            if (known_.takes(n, t)) later({Visit::consume, n, t});
     }
 
     void consume(std::size_t n, std::size_t t) {

@@ -17,7 +17,7 @@ struct ScheduleQueries {
     /// Whether a gathering node's digest of the frame is cached.
     std::function<bool(std::size_t node, std::size_t t)> digest;
     /// Whether a gathering node takes the frame.
-    std::function<bool(std::size_t node, std::size_t t)> wants;
+    std::function<bool(std::size_t node, std::size_t t)> takes;
     /// Whether a node that delivers per frame has the frame.
     std::function<bool(std::size_t node, std::size_t t)> delivers;
     /// Whether later passes can load a result that this run computes.

@@ -53,7 +53,7 @@ Preparation::Preparation(const Pipeline& pipeline, const Registry& registry,
       cache_(registry, folder_of(request.options, "")),
       files_(folder_of(request.options, "/files")),
       dependencies_(pipeline, inputs_.timelines, inputs_.stand_ins, files_),
-      keys_(pipeline, dependencies_, [this](std::size_t n, std::size_t t) { return wants(n, t); }),
+      keys_(pipeline, dependencies_, [this](std::size_t n, std::size_t t) { return takes(n, t); }),
       store_(pipeline, dependencies_, keys_, cache_, files_),
       grown_(pipeline.nodes.size()) {
     for (const auto& [node, message] : foresee(pipeline, plan_.needed, inputs_.regions).warnings)
@@ -133,13 +133,13 @@ bool Preparation::delivers(std::size_t n, std::size_t t) const {
     return inputs_.timelines.delivered(n).index[t].has_value();
 }
 
-bool Preparation::wants(std::size_t n, std::size_t t) const {
+bool Preparation::takes(std::size_t n, std::size_t t) const {
     static Context::Host silent;
     const auto& [frames, index] = inputs_.timelines.input_frames(n);
     if (!index[t]) return false;
     Context where(silent, frames);
-    const auto& node = pipeline_.nodes[n];
-    return !node.type->wants || node.type->wants(node.params.get(), where.at(*index[t]));
+    const auto& takes = pipeline_.nodes[n].traits.takes;
+    return !takes || takes(where.at(*index[t]));
 }
 
 std::vector<int> Preparation::delivered_frames() const {
@@ -169,7 +169,7 @@ Schedule Preparation::schedule(bool careful) {
                 return careful ? store_.knows_intact_digest(n, t) : store_.knows_digest(n, t);
             });
         },
-        [this](std::size_t n, std::size_t t) { return wants(n, t); },
+        [this](std::size_t n, std::size_t t) { return takes(n, t); },
         [this](std::size_t n, std::size_t t) { return delivers(n, t); },
         [&](std::size_t n, std::size_t t) {
             return !careful && cache_.on() && static_cast<bool>(keys_.entry(n, t));
@@ -181,7 +181,7 @@ Schedule Preparation::make_uncached_schedule() const {
     const auto nothing = [](std::size_t, std::size_t) { return false; };
     return make_schedule(
         pipeline_, plan_, delivered_,
-        {nothing, nothing, [this](std::size_t n, std::size_t t) { return wants(n, t); },
+        {nothing, nothing, [this](std::size_t n, std::size_t t) { return takes(n, t); },
          [this](std::size_t n, std::size_t t) { return delivers(n, t); }, nothing});
 }
 

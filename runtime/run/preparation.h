@@ -35,7 +35,7 @@ public:
     std::vector<NodeFailure> input_failures(bool keep_going) const;
     std::vector<int> delivered_frames() const;  ///< frame numbers
     /// Whether a gathering node takes frame `t`.
-    bool wants(std::size_t node, std::size_t t) const;
+    bool takes(std::size_t node, std::size_t t) const;
     /// Whether a node that delivers per frame has frame `t`.
     bool delivers(std::size_t node, std::size_t t) const;
     /// Per frame: whether the run reads the node's files.

@@ -155,14 +155,14 @@ private:
             step.frames.push_back(prepared_.frames()[t]);
         }
         const auto plan = make_plan(pipeline_, step.target);
-        const auto wants = [&](std::size_t n, std::size_t t) { return prepared_.wants(n, t); };
+        const auto takes = [&](std::size_t n, std::size_t t) { return prepared_.takes(n, t); };
         const auto delivers = [&](std::size_t n, std::size_t t) {
             return prepared_.delivers(n, t);
         };
         const auto schedule = make_schedule(
             pipeline_, plan, delivered,
             {[&](std::size_t n, std::size_t t) { return maker(n, t).has_value(); },
-             [&](std::size_t n, std::size_t t) { return digests_[n][t].has_value(); }, wants,
+             [&](std::size_t n, std::size_t t) { return digests_[n][t].has_value(); }, takes,
              delivers, [&](std::size_t n, std::size_t) { return pipeline_.nodes[n].kept; }});
         const auto needed = makers_of(schedule);
         step.needs = without_implied(needed);

@@ -44,9 +44,10 @@ struct Given {
     struct Ports {
         Ref<Lattice> lattice;
     };
-    static bool animates(const detail::NoParams&) {
-        return std::ranges::any_of(
-            given, [](const auto& lattice) { return lattice->hash != given.front()->hash; });
+    static NodeTraits traits(const detail::NoParams&) {
+        return {.animates = std::ranges::any_of(given, [](const auto& lattice) {
+                    return lattice->hash != given.front()->hash;
+                })};
     }
     static void run(const detail::NoParams&, Ports& io, Context& context) {
         io.lattice = given.at(context.t());

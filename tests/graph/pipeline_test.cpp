@@ -73,19 +73,18 @@ TEST_CASE("check warns of a node whose outputs no node takes, if another one wri
 }
 
 TEST_CASE(
-    "a node that gathers gives one result for all frames, or one per frame, as its `animates` "
-    "and its inputs say") {
+    "a node that gathers gives one result for all frames, or one per frame, as its traits and its "
+    "inputs say") {
     Registry registry = toy::registry();
     auto type = *registry.node("toy.share");
     type.name = "toy.own";
-    type.gathers = [](const void*) { return true; };
-    type.animates = [](const void* params) {
-        return static_cast<const toy::Share::Params*>(params)->stated;
+    type.traits = [](const void* params) {
+        return NodeTraits{.animates = static_cast<const toy::Share::Params*>(params)->stated};
     };
     registry.add(type);
     type = *registry.node("toy.add");
     type.name = "toy.adds";
-    type.gathers = [](const void*) { return true; };
+    type.gathers = true;
     registry.add(type);
     type.name = "toy.sums";
     type.inputs[0].summed = true;

@@ -34,9 +34,8 @@ TEST_CASE("a hook of the wrong signature does not compile, and the compiler says
     CHECK_THAT(compiled("void resume(int) {}"),
                Catch::Contains("`resume` must be `void resume(const Payload& result, const "
                                "nlohmann::ordered_json& entry)`"));
-    CHECK_THAT(
-        compiled("static bool wants(int) { return true; }"),
-        Catch::Contains("`wants` must be `static bool wants(const Params&, const Context&)`"));
+    CHECK_THAT(compiled("static bool traits(int) { return true; }"),
+               Catch::Contains("`traits` must be `static NodeTraits traits(const Params&)`"));
     CHECK_THAT(compiled("static void survey() {}"),
                Catch::Contains("`survey` must be `static void survey(const Params&, Survey&)`"));
     CHECK_THAT(compiled("static void foresee() {}"),

@@ -56,7 +56,9 @@ public:
 
     /// What a user would be told of the parameters, a line each.
     const std::string& faults() const { return faults_; }
-    bool gathers() const { return type_.gathers(params_.get()); }
+    bool gathers() const {
+        return type_.gathers && (!type_.traits || type_.traits(params_.get()).gathers);
+    }
     const NodeType& type() const { return type_; }
     const void* params() const { return params_.get(); }
 

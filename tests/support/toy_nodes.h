@@ -118,8 +118,10 @@ struct Total {
         Optional<Number> start;
         Ref<Number> total;
     };
-    static bool wants(const Params& params, const Context& context) {
-        return params.only_place < 0 || static_cast<int>(context.t()) == params.only_place;
+    static NodeTraits traits(const Params& params) {
+        return {.takes = [&params](const Context& context) {
+            return params.only_place < 0 || static_cast<int>(context.t()) == params.only_place;
+        }};
     }
     void add(const Params&, const Ports& io, Context& context) {
         sum += io.number->value;
@@ -145,7 +147,7 @@ struct Share {
         Ref<Number> number;
         Ref<Number> share;
     };
-    static bool gathers(const Params& params) { return !params.stated; }
+    static NodeTraits traits(const Params& params) { return {.gathers = !params.stated}; }
     void add(const Params&, const Ports& io, Context&) { most = std::max(most, io.number->value); }
     void finish(const Params&, Ports&, Context&) {}
     void run(const Params&, Ports& io, Context&) const {

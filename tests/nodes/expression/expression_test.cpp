@@ -357,7 +357,7 @@ TEST_CASE("a program reads the frame and its time, unless an input or a constant
             ValueReader reader(problems, field.name, type.param(field.name)->range);
             REQUIRE(type.param(field.name)->parse(params.get(), field.value, reader));
         }
-        CHECK(type.animates(params.get()));
+        CHECK(type.traits(params.get()).animates == true);
         const auto behaviour = type.bind(params);
         const auto ports = behaviour.make_ports();
         std::vector<Payload> grids{Payload(any(d))};

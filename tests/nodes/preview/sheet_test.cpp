@@ -29,9 +29,10 @@ std::vector<std::size_t> shown_of(const std::string& count, int total) {
     for (int n = 0; n < total; ++n) frames.push_back(1001 + n);
     Context::Host host;
     Context context(host, frames);
+    const auto takes = type.traits(params.get()).takes;
     std::vector<std::size_t> out;
     for (std::size_t t = 0; t < frames.size(); ++t)
-        if (type.wants(params.get(), context.at(t))) out.push_back(t);
+        if (takes(context.at(t))) out.push_back(t);
     return out;
 }
 

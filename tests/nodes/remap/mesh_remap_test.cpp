@@ -283,7 +283,7 @@ TEST_CASE(
         const NodeType type = remap_mesh();
         NodeBench checked(type, yaml);
         REQUIRE(checked.faults().empty());
-        return type.animates(type.make_params().get());
+        return type.traits(type.make_params().get()).animates == true;
     };
     CHECK(moves("{}"));
     // One mesh for all frames can't follow them, unless they move it alike, as all that lies beyond

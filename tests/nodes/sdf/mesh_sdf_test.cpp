@@ -84,7 +84,7 @@ TEST_CASE("a closed mesh becomes a level set of its distances, signed") {
     int count = 0;
     for (auto voxel = surface->cbeginValueOn(); voxel; ++voxel, ++count) {
         const double expected = box_distance(surface->indexToWorld(voxel.getCoord()), low, high);
-        // FurtherDependencies out OpenVDB's distances are those to faces near the nearest one.
+        // Further out OpenVDB's distances are those to faces near the nearest one.
         if (std::abs(expected) < 0.1)
             REQUIRE(*voxel ==
                     Approx(expected).margin(std::abs(expected) < 0.05 ? 1e-5 : 0.1 * 0.05));

@@ -19,11 +19,13 @@ struct Twice {
         int start = 1;
     };
     std::vector<Ref<toy::Number>> all;
-    static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) {
-        std::vector<int> out;
-        for (std::size_t n = 0; n < 2 * frames.size(); ++n)
-            out.push_back(params.start + static_cast<int>(n));
-        return out;
+    static NodeTraits traits(const Params& params) {
+        return {.retimes = [&params](const std::vector<int>& frames) {
+            std::vector<int> out;
+            for (std::size_t n = 0; n < 2 * frames.size(); ++n)
+                out.push_back(params.start + static_cast<int>(n));
+            return out;
+        }};
     }
     void add(const Params&, const Ports& io, Context&) { all.push_back(io.number); }
     void finish(const Params&, Ports&, Context&) {}

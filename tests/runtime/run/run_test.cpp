@@ -18,7 +18,7 @@ struct Meet {
         Ref<toy::Number> number;
     };
     static inline std::atomic<int> inside{0};  ///< frames that have come
-    static bool animates(const detail::NoParams&) { return true; }
+    static NodeTraits traits(const detail::NoParams&) { return {.animates = true}; }
     static void run(const detail::NoParams&, Ports& io, Context& context) {
         ++inside;
         const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(10);
@@ -163,7 +163,7 @@ nodes:
     CHECK(ran.count("count ") == 4);
 }
 
-TEST_CASE("a gathering node is given only the frames that it wants") {
+TEST_CASE("a gathering node is given only the frames that it takes") {
     const auto ran = run(R"(
 frames: 1-9
 nodes:
