@@ -4,11 +4,15 @@
 
 #include <tbb/task_arena.h>
 
+#include <array>
 #include <new>
 
 namespace fluidcarve {
 
 namespace {
+
+/// Names of phases in the profile (RunProfile::Span).
+constexpr std::array categories{"run", "digest", "consume", "finish"};
 
 /// Whether a node makes its outputs of a frame, and does not consume the frame.
 bool delivers(std::size_t n, const FrameRun* frame) {
@@ -42,9 +46,9 @@ Context BodyCalls::context(BodyHost& host, const FrameRun* frame) const {
     return frame ? out.at(index.at(frame->t).value()) : out;
 }
 
-bool BodyCalls::guarded(std::size_t n, std::optional<int> frame, const char* what,
+bool BodyCalls::guarded(std::size_t n, std::optional<int> frame, Phase phase,
                         const std::function<void()>& body) {
-    const auto event = setup_.events.event(what, n, frame);
+    const auto event = setup_.events.event(categories[static_cast<std::size_t>(phase)], n, frame);
     try {
         // Isolate the body: a thread that waits in a parallel loop of the body must not start the
         // body of another frame.
@@ -54,7 +58,7 @@ bool BodyCalls::guarded(std::size_t n, std::optional<int> frame, const char* wha
     } catch (const Failure& failure) {
         fail(n, frame, failure.what(), failure.kind);
     } catch (const std::bad_alloc&) {
-        fail(n, frame, out_of_memory(what, in_flight, memory_now()), Failure::Kind::data);
+        fail(n, frame, out_of_memory(phase, in_flight, memory_now()), Failure::Kind::data);
     } catch (const std::exception& error) {
         fail(n, frame, error.what(), Failure::Kind::data);
     }
@@ -67,9 +71,9 @@ void BodyCalls::fail(std::size_t n, std::optional<int> frame, const std::string&
     failed_ = true;
 }
 
-bool BodyCalls::call(BodyHost& host, const FrameRun* frame, const char* what, const Body& body) {
+bool BodyCalls::call(BodyHost& host, const FrameRun* frame, Phase phase, const Body& body) {
     const auto n = host.node;
-    return guarded(n, number(frame), what, [&] {
+    return guarded(n, number(frame), phase, [&] {
         const auto ports = behaviours_[n].make_ports();
         // A node that retimes has consumed the frames of its inputs before.
         const bool inputs = frame && !(delivers(n, frame) && setup_.pipeline.nodes[n].retimes());
@@ -80,9 +84,9 @@ bool BodyCalls::call(BodyHost& host, const FrameRun* frame, const char* what, co
     });
 }
 
-bool BodyCalls::call_without_ports(BodyHost& host, const FrameRun& frame, const char* what,
+bool BodyCalls::call_without_ports(BodyHost& host, const FrameRun& frame, Phase phase,
                                    const std::function<void(Context&)>& body) {
-    return guarded(host.node, number(&frame), what, [&] {
+    return guarded(host.node, number(&frame), phase, [&] {
         auto where = context(host, &frame);
         body(where);
     });

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "runtime/flow/body_host.h"
+#include "runtime/flow/phase.h"
 #include "runtime/flow/ports.h"
 #include "runtime/plan/frame_run.h"
 
@@ -28,11 +29,10 @@ public:
     BodyHost host(std::size_t n) { return {setup_, provenance_, n}; }
     /// Calls a body with connected ports.
     /// @param frame  null: the call is for all frames
-    /// @param what   category in the profile
     /// @return false if the body threw
-    bool call(BodyHost& host, const FrameRun* frame, const char* what, const Body& body);
+    bool call(BodyHost& host, const FrameRun* frame, Phase phase, const Body& body);
     /// Calls a body that needs no ports for one frame.
-    bool call_without_ports(BodyHost& host, const FrameRun& frame, const char* what,
+    bool call_without_ports(BodyHost& host, const FrameRun& frame, Phase phase,
                             const std::function<void(Context&)>& body);
 
     /// Tells that a node failed.
@@ -50,7 +50,7 @@ public:
 private:
     std::optional<int> number(const FrameRun* frame) const;
     Context context(BodyHost& host, const FrameRun* frame) const;
-    bool guarded(std::size_t n, std::optional<int> frame, const char* what,
+    bool guarded(std::size_t n, std::optional<int> frame, Phase phase,
                  const std::function<void()>& body);
 
     const FlowSetup& setup_;

@@ -22,7 +22,8 @@ bool FrameCalls::hopeless(std::size_t n, const FrameRun& frame) const {
 
 void FrameCalls::call(Work work, std::size_t n, FrameRun& frame, const BodyCalls::Body& body) {
     auto host = bodies_.host(n);
-    const bool good = bodies_.call(host, &frame, work == Work::consume ? "digest" : "run", body);
+    const bool good =
+        bodies_.call(host, &frame, work == Work::consume ? Phase::digest : Phase::run, body);
     frame.failed[n] = !good;
     setup_.events.body_ended(work, n, frame.t, host.seconds(), io_.bytes(frame.outputs[n]));
     if (good && work == Work::consume)
@@ -99,8 +100,8 @@ bool FrameCalls::consume_scheduled(std::size_t n, const FrameRun& frame, bool fi
 
 bool FrameCalls::take(BodyHost& host, const FrameRun& frame) {
     const auto& behaviour = bodies_.behaviour(host.node);
-    if (!behaviour.digest) return bodies_.call(host, &frame, "consume", behaviour.add);
-    return bodies_.call_without_ports(host, frame, "consume", [&](Context& context) {
+    if (!behaviour.digest) return bodies_.call(host, &frame, Phase::consume, behaviour.add);
+    return bodies_.call_without_ports(host, frame, Phase::consume, [&](Context& context) {
         behaviour.consume(frame.outputs[host.node].at(0), context);
     });
 }

@@ -24,7 +24,7 @@ void OnceCalls::once(std::size_t n, bool target) {
     const bool connected =
         std::ranges::any_of(node(n).inputs, [](const auto& links) { return !links.empty(); });
     auto host = bodies_.host(n);
-    const bool good = bodies_.call(host, nullptr, "run", [&](void* ports, Context& context) {
+    const bool good = bodies_.call(host, nullptr, Phase::run, [&](void* ports, Context& context) {
         context.wanting([&](std::string_view output) {
             return target || results_.keeps(n) ||
                    std::ranges::any_of(readers_[n], [&](std::size_t reader) {
@@ -45,12 +45,13 @@ void OnceCalls::finish(std::size_t n, std::size_t gathered) {
     const auto& behaviour = bodies_.behaviour(n);
     auto host = bodies_.host(n);
     const bool delivers = node(n).rate != Rate::frame;
-    const bool good = bodies_.call(host, nullptr, "finish", [&](void* ports, Context& context) {
-        finish_from_cached(host, ports, context);
-        if (!delivers) return;
-        if (behaviour.run) behaviour.run(ports, context);
-        held_[n] = io_.collect(n, ports);
-    });
+    const bool good =
+        bodies_.call(host, nullptr, Phase::finish, [&](void* ports, Context& context) {
+            finish_from_cached(host, ports, context);
+            if (!delivers) return;
+            if (behaviour.run) behaviour.run(ports, context);
+            held_[n] = io_.collect(n, ports);
+        });
     end(host, good, delivers, gathered);
 }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <string_view>
 
 namespace fluidcarve {
 
@@ -29,11 +30,11 @@ MemoryNow memory_now() {
     return out;
 }
 
-std::string out_of_memory(std::string_view what, std::size_t frames, const MemoryNow& memory) {
-    const auto doing = what == "digest"    ? "while it took what it needs of the frame"
-                       : what == "consume" ? "while it gathered the frame"
-                       : what == "finish"  ? "while it worked on all that it had gathered"
-                                           : "while it ran";
+std::string out_of_memory(Phase phase, std::size_t frames, const MemoryNow& memory) {
+    const auto doing = phase == Phase::digest    ? "while it took what it needs of the frame"
+                       : phase == Phase::consume ? "while it gathered the frame"
+                       : phase == Phase::finish  ? "while it worked on all that it had gathered"
+                                                 : "while it ran";
     const bool crowded = frames > 1 && memory.held > memory.free;
     return fmt::format(
         "out of memory {}: {}", doing,

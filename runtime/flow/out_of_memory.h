@@ -1,9 +1,10 @@
 #pragma once
 
+#include "runtime/flow/phase.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <string_view>
 
 namespace fluidcarve {
 
@@ -18,8 +19,7 @@ MemoryNow memory_now();
 /// The message for a body that ran out of memory: what it was doing, and the remedy. Fewer frames
 /// in flight help only if several were in memory, and took most of it; else a single allocation
 /// was too large.
-/// @param what    the body: run, digest, consume or finish (RunProfile)
 /// @param frames  frames that were in flight
-std::string out_of_memory(std::string_view what, std::size_t frames, const MemoryNow& memory);
+std::string out_of_memory(Phase phase, std::size_t frames, const MemoryNow& memory);
 
 }  // namespace fluidcarve

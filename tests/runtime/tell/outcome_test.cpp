@@ -19,17 +19,17 @@ TEST_CASE(
     "want of memory is told with what was done, and --in-flight only where several frames filled "
     "the memory") {
     constexpr std::uint64_t mb = 1000 * 1000;
-    CHECK(out_of_memory("run", 5, {900 * mb, 100 * mb}) ==
+    CHECK(out_of_memory(Phase::run, 5, {900 * mb, 100 * mb}) ==
           "out of memory while it ran: 5 frames were in flight; try a smaller --in-flight");
-    CHECK(out_of_memory("digest", 5, {100 * mb, 900 * mb}) ==
+    CHECK(out_of_memory(Phase::digest, 5, {100 * mb, 900 * mb}) ==
           "out of memory while it took what it needs of the frame: it wanted more in one piece "
           "than is free (100 MB held by the run, 900 MB free); "
           "give it a smaller volume or a coarser lattice, or the run more memory");
-    CHECK(out_of_memory("consume", 1, {900 * mb, 100 * mb}) ==
+    CHECK(out_of_memory(Phase::consume, 1, {900 * mb, 100 * mb}) ==
           "out of memory while it gathered the frame: it wanted more in one piece than is free "
           "(900 MB held by the run, 100 MB free); "
           "give it a smaller volume or a coarser lattice, or the run more memory");
-    CHECK(out_of_memory("finish", 0, {900 * mb, 100 * mb}) ==
+    CHECK(out_of_memory(Phase::finish, 0, {900 * mb, 100 * mb}) ==
           "out of memory while it worked on all that it had gathered: it wanted more in one piece "
           "than is free (900 MB held by the run, 100 MB free); "
           "give it a smaller volume or a coarser lattice, or the run more memory");
