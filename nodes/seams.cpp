@@ -195,8 +195,8 @@ namespace {
 struct SeamsWrite {
     struct Params {
         OutputPath path;
-        std::optional<FrameCarvePromise>
-            in_time;  ///< seams of frames are written as all others are
+        /// Seams of frames are written as all others are.
+        std::optional<FrameCarvePromise> in_time;
     };
     struct Ports {
         Ref<Seams> seams;

@@ -21,9 +21,9 @@ public:
     /// The place of a voxel in the lattice.
     struct Place {
         openvdb::Vec3d at;  ///< lattice index coordinates
-        openvdb::Vec3d u,
-            v;  ///< steps to the next vertex along u and v, voxels; not set in a straight box or
-                ///< with the closed form; around a rig, v is 0: nothing moves along it
+        /// Steps to the next vertex along u and v, voxels. Not set in a straight box or with the
+        /// closed form. Around a rig, v is 0: nothing moves along it.
+        openvdb::Vec3d u, v;
     };
     /// Eight voxels along z.
     struct Row {

@@ -16,8 +16,8 @@ enum class Smooth { points, directions, none };
 /// Parameters of build_lattice().
 struct LatticeSpec {
     double spacing = 0;  ///< distance of neighbouring vertices, world units, above 0
-    std::array<double, 2> u{},
-        v{};  ///< extents around the rig: lower end, upper end; world units; lower < upper
+    /// Extents around the rig: lower end, upper end; world units; lower < upper.
+    std::array<double, 2> u{}, v{};
     bool around = false;       ///< u is the distance from the rig, from 0 to the upper end; v goes
                                ///< around the rig, and its extent is not used
     bool flip_u = false;       ///< reverses u; the lattice is then left-handed

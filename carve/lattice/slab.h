@@ -47,8 +47,8 @@ public:
     /// Values that at() needs for a coordinate `c`. All positions with the same c share them.
     struct Level {
         double c;
-        double chord_u,
-            chord_v;  ///< c times the last coefficients of the chord's products with U and V
+        /// c times the last coefficients of the chord's products with U and V.
+        double chord_u, chord_v;
         double uu, uv, vv, scale;  ///< products of U(c) and V(c), and 1 / (uu vv - uv uv)
     };
     Level level(double c) const;
@@ -71,8 +71,8 @@ private:
     openvdb::Vec3d origin_, chord_;
     Vectors vectors_;
     Products of_chord_;
-    std::array<double, 3> uu_, uv_,
-        vv_;  ///< U(c) . U(c), U(c) . V(c) and V(c) . V(c), by powers of c
+    /// U(c) . U(c), U(c) . V(c) and V(c) . V(c), by powers of c.
+    std::array<double, 3> uu_, uv_, vv_;
 };
 
 inline Slab::Level Slab::level(double c) const {

@@ -81,8 +81,8 @@ private:
     /// What candidates() needs to know of a slab.
     struct Bounds {
         openvdb::BBoxd box;  ///< around the slab's vertices, world units
-        openvdb::Vec3d gradient_u,
-            gradient_v;  ///< of the coordinates u and v in the lower plane, vertices per world unit
+        /// Of the coordinates u and v in the lower plane, vertices per world unit.
+        openvdb::Vec3d gradient_u, gradient_v;
         double error_u, error_v;  ///< largest error of those coordinates within the slab, vertices
     };
     Bounds bounds_of(int k) const;
@@ -104,8 +104,8 @@ private:
     int size_;
     double open_slack_, spacing_;
     double last_u_, last_v_;  ///< index of the lattice's last vertex
-    double end_u_, end_v_,
-        end_w_;  ///< index of the extent's last vertex; along w, the end of the last slab
+    double end_u_, end_v_;    ///< index of the extent's last vertex
+    double end_w_;            ///< end of the last slab, along w
     std::vector<Slab> slabs_;
     std::vector<Divider> dividers_;
     std::vector<Bounds> bounds_;

@@ -42,8 +42,10 @@ private:
     double width_;
     int shift_ = 2;              ///< cubes have 2^shift voxels along each axis
     openvdb::Coord low_, size_;  ///< in cubes
-    std::vector<float> when_, weight_,
-        all_;  ///< `[x][y][z]`; when_: the moment, from 1 to `frames`, once finished
+    // Per cube, `[x][y][z]`.
+    std::vector<float> when_;    ///< once finished: the moment, from 1 to `frames`
+    std::vector<float> weight_;  ///< sum of the weights of moments
+    std::vector<float> all_;     ///< sum of squared differences
 };
 
 /// The surface at which one run of frames changes into another.

@@ -162,9 +162,9 @@ private:
               wanted(width),
               factor(width),
               result(width) {}
-        std::vector<float> own, other;  ///< weights
-        std::vector<float> diagonal,
-            wanted;  ///< right-hand side: couplings to neighbouring columns, and all known terms
+        std::vector<float> own, other;       ///< weights of the column, and of a neighbouring one
+        std::vector<float> diagonal;         ///< sums of the couplings to neighbouring columns
+        std::vector<float> wanted;           ///< right-hand side: all known terms
         std::vector<double> factor, result;  ///< of the elimination
     };
 

@@ -13,8 +13,8 @@ namespace fluidcarve {
 /// What a pass did for its gathering nodes; per pipeline node.
 struct ConsumedFrames {
     std::vector<std::size_t> count;  ///< of the frames that it consumed
-    std::vector<std::vector<int>>
-        failed;  ///< numbers of the frames that failed before it, or there
+    /// Numbers of the frames that failed before it, or there.
+    std::vector<std::vector<int>> failed;
 };
 
 /// What the nodes of one pass do in a frame: per-frame nodes `run`; gathering nodes `digest` the

@@ -80,9 +80,9 @@ std::vector<NodeWork> work_of(const Schedule& schedule);
 
 /// Indices of the frames in which a node works, over all passes.
 struct NodeFrames {
-    std::set<std::size_t> run;  ///< it computes the frame's result
-    std::set<std::size_t> consumed_inputs,
-        consumed_digests;  ///< it takes the frame from its inputs, or from a cached digest
+    std::set<std::size_t> run;               ///< it computes the frame's result
+    std::set<std::size_t> consumed_inputs;   ///< it takes the frame from its inputs
+    std::set<std::size_t> consumed_digests;  ///< it takes the frame from a cached digest
 };
 NodeFrames working_frames(const Schedule& schedule, std::size_t node);
 

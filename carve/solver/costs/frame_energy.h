@@ -22,12 +22,12 @@ struct FrameEnergy {
     std::vector<std::uint16_t> energy;  ///< energy codes at the lattice's vertices, marks included;
                                         ///< laid out as by sample_columns()
     std::vector<std::uint16_t> field;   ///< field codes, laid out the same way; empty: no field
-    std::optional<std::size_t> protect,
-        attract;  ///< number of vertices that each mask marks; nothing: no mask
-    std::optional<MissedRange> protect_missed,
-        attract_missed;  ///< why a mask is empty, if known
-    openvdb::math::Transform::ConstPtr transform,
-        field_transform;  ///< of the grids; field_transform is null without a field
+    /// Number of vertices that each mask marks; nothing: no mask.
+    std::optional<std::size_t> protect, attract;
+    /// Why a mask is empty, if known.
+    std::optional<MissedRange> protect_missed, attract_missed;
+    openvdb::math::Transform::ConstPtr transform;        ///< of the energy's grid
+    openvdb::math::Transform::ConstPtr field_transform;  ///< of the field's; null: no field
     /// World box of the energy's active voxels; nothing: none.
     std::optional<openvdb::BBoxd> active;
     Content content;  ///< of the energy: how much of it lies in the lattice

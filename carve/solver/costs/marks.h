@@ -19,8 +19,8 @@ namespace fluidcarve {
 /// How many vertices each mask of a solver marks; nothing: it has no such mask.
 struct MarkCounts {
     std::optional<std::size_t> protect, attract;
-    std::optional<MissedRange> protect_missed{},
-        attract_missed{};  ///< why a mask is empty, if known
+    /// Why a mask is empty, if known.
+    std::optional<MissedRange> protect_missed{}, attract_missed{};
 };
 
 /// Where a mask is set, that is, active, in the columns of a lattice. A mask is set around a vertex
