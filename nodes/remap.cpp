@@ -51,6 +51,7 @@ struct RemapGrids : RemapNode {
         Auto<bool> renormalize;
         Conserve conserve = Conserve::none;
         std::vector<std::string> densities{"density"};
+        bool transform_vectors = false;
     };
     struct Ports {
         Ref<Volume> source;
@@ -61,7 +62,7 @@ struct RemapGrids : RemapNode {
 
     static void foresee(const Params& params, Outlook& ahead) {
         if (!params.in_time) return foresee_carve(params.count, ahead);
-        foresee_frames(params, idle_param(params), ahead);
+        foresee_frames(params, idle_param(params), params.transform_vectors, ahead);
     }
 
     void add(const Params&, const Ports& io, Context& context) {
@@ -136,7 +137,7 @@ NodeType remap_grids() {
         .param("densities", &Params::densities,
                "For `conserve`: float or double grids that hold amounts per volume, such as "
                "density and fuel, but not temperature.")
-        .param("transform_vectors", &RemapNode::Params::transform_vectors,
+        .param("transform_vectors", &Params::transform_vectors,
                "Whether vectors turn and stretch with the space around them, as the velocities "
                "of a carved flow do. This applies to all grids of float vectors, also those in "
                "three parts, and to the velocities of points. If frames are carved, it "
@@ -171,7 +172,7 @@ struct RemapMesh : RemapNode {
     }
     static void foresee(const Params& params, Outlook& ahead) {
         if (!params.in_time) return foresee_part(params.count, ahead);
-        foresee_frames(params, params.static_ ? "static" : idle_rim(params), ahead);
+        foresee_frames(params, params.static_ ? "static" : idle_rim(params), false, ahead);
     }
 
     void finish(const Params& params, Ports& io, Context& context) {
@@ -247,6 +248,7 @@ namespace {
 struct RemapPoints : RemapNode {
     struct Params : RemapNode::Params {
         double jitter = default_jitter;
+        bool transform_vectors = false;
     };
     struct Ports {
         Ref<Points> source;
@@ -257,7 +259,7 @@ struct RemapPoints : RemapNode {
 
     static void foresee(const Params& params, Outlook& ahead) {
         if (!params.in_time) return foresee_carve(params.count, ahead);
-        foresee_frames(params, idle_rim(params), ahead);
+        foresee_frames(params, idle_rim(params), params.transform_vectors, ahead);
     }
 
     void run(const Params& params, Ports& io, Context& context) const {
@@ -315,7 +317,7 @@ NodeType remap_points() {
                "random offset of up to this size along each axis. The offset is always the "
                "same for the same point. It stays the same from frame to frame if points have "
                "a whole number `id`; without one, set 0 if copies must not tremble.")
-        .param("transform_vectors", &RemapNode::Params::transform_vectors,
+        .param("transform_vectors", &Params::transform_vectors,
                "Whether the velocities of points (v, vel, velocity, or what else ends so) turn "
                "and stretch with the space around them, and with time, as in remap.grids.")
         .output("points", &Ports::points,

@@ -19,7 +19,8 @@ NodeTraits RemapNode::traits(const Params& params) {
             }};
 }
 
-void RemapNode::foresee_frames(const Params& params, const std::string& idle, Outlook& ahead) {
+void RemapNode::foresee_frames(const Params& params, const std::string& idle,
+                               bool transform_vectors, Outlook& ahead) {
     if (!idle.empty())
         ahead.fault(
             fmt::format("'{}' has no effect on seams of frames (`axis: t`), which move "
@@ -35,7 +36,7 @@ void RemapNode::foresee_frames(const Params& params, const std::string& idle, Ou
             "its result by the others");
     try {
         const auto how = time_join_of(params, false);
-        if (params.transform_vectors && (how.fade == 1 || !how.moved))
+        if (transform_vectors && (how.fade == 1 || !how.moved))
             ahead.fault(
                 "'transform_vectors' has no effect where frames are cut or blended, since time "
                 "keeps its pace there: leave it out, or state `join: squeeze`");

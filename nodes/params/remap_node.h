@@ -22,7 +22,6 @@ public:
         Auto<Count> count;
         Rim rim = Rim::cut;
         double rim_fade = 8;
-        bool transform_vectors = false;
         std::optional<FrameCarvePromise> in_time;  ///< if the seams are seams of frames
     };
 
@@ -43,7 +42,9 @@ protected:
         return out;
     }
     /// @param idle  a stated parameter that has no effect if frames are carved; empty: none
-    static void foresee_frames(const Params& params, const std::string& idle, Outlook& ahead);
+    /// @param transform_vectors  as stated; false in a node that does not have it
+    static void foresee_frames(const Params& params, const std::string& idle,
+                               bool transform_vectors, Outlook& ahead);
     /// "rim" if `rim` is stated; else empty.
     static std::string idle_rim(const Params& params) {
         return params.rim != Rim::cut ? "rim" : "";
