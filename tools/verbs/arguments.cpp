@@ -188,13 +188,20 @@ std::string take_own_files(RunArguments& run, const Pipeline& pipeline) {
     return {};
 }
 
+/// What --progress accepts, and its style; no style: a bar in a coloured terminal, else plain.
+constexpr std::array<std::pair<const char*, std::optional<ProgressStyle>>, 6> progress_styles{
+    {{"auto", std::nullopt},
+     {"bar", ProgressStyle::bar},
+     {"json", ProgressStyle::json},
+     {"plain", ProgressStyle::plain},
+     {"openjd", ProgressStyle::openjd},
+     {"none", ProgressStyle::none}}};
+
 ProgressStyle style_of(const std::string& progress, bool quiet) {
-    return progress == "none" || quiet ? ProgressStyle::none
-           : progress == "plain"       ? ProgressStyle::plain
-           : progress == "openjd"      ? ProgressStyle::openjd
-           : progress == "bar" || (progress == "auto" && coloured_terminal()) ? ProgressStyle::bar
-           : progress == "json"                                               ? ProgressStyle::json
-                                : ProgressStyle::plain;
+    if (quiet) return ProgressStyle::none;
+    for (const auto& [name, style] : progress_styles)
+        if (progress == name && style) return *style;
+    return coloured_terminal() ? ProgressStyle::bar : ProgressStyle::plain;
 }
 
 }  // namespace
@@ -301,7 +308,7 @@ void RunArguments::declare_limits(CLI::App& verb) {
         ->type_name("SIZE")
         ->envname("FLUIDCARVE_CACHE_SIZE");
     verb.add_option("--progress", progress, "How to show progress")
-        ->check(CLI::IsMember({"auto", "bar", "json", "plain", "openjd", "none"}))
+        ->check(CLI::IsMember(progress_styles))
         ->capture_default_str();
     const auto quiet = verb.add_flag("-q,--quiet", request.quiet, "Print failures only");
     verb.add_flag("-v,--verbose", request.verbose,
