@@ -1,5 +1,7 @@
 #pragma once
 
+#include "carve/base/limits.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -12,7 +14,7 @@ struct RunOptions {
     int threads = 1;
     int in_flight = 2;         ///< maximum number of frames in memory at once
     std::uint64_t memory = 0;  ///< bytes that each node may hold in memory for the whole sequence
-    std::string work_folder = ".fluidcarve";
+    std::string work_folder = Limits{}.folder;
     bool keep_going = false;  ///< run the other frames after a failure
     bool cache = true;        ///< read and write cached results in the work folder
     bool sync = false;        ///< wait until each written file is on the disk

@@ -4,6 +4,7 @@
 #include "formats/file/confinement.h"
 #include "formats/file/full_path.h"
 #include "graph/provenance.h"
+#include "runtime/flow/options.h"
 #include "runtime/keep/work_folder.h"
 #include "runtime/run/task.h"
 #include "runtime/tell/terminal.h"
@@ -303,8 +304,9 @@ void RunArguments::declare_limits(CLI::App& verb) {
                   "Neither read nor write cached results in the work folder")
         ->envname("FLUIDCARVE_NO_CACHE");
     verb.add_option("--cache-size", cache_size,
-                    "Size of the cached results that remain after a run; the least recently used "
-                    "are removed (default: 50G)")
+                    fmt::format("Size of the cached results that remain after a run; the least "
+                                "recently used are removed (default: {}G)",
+                                RunOptions{}.cache_size >> 30))
         ->type_name("SIZE")
         ->envname("FLUIDCARVE_CACHE_SIZE");
     verb.add_option("--progress", progress, "How to show progress")
