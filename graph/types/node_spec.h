@@ -110,10 +110,10 @@ struct Behaviour {
     std::function<void(void* ports, Context&)> run;
     /// Called in frame order, one at a time; empty if the node digests or does not gather.
     std::function<void(const void* ports, Context&)> add;
-    /// Called per frame, concurrently: extracts the digest for `consume`
+    /// Called per frame, concurrently: extracts the digest for `add_digest`
     std::function<Payload(const void* ports, Context&)> digest;
     /// Replaces `add`: called in frame order, one at a time.
-    std::function<void(const Payload& digest, Context&)> consume;
+    std::function<void(const Payload& digest, Context&)> add_digest;
     /// Hands a growing result of a former run, too small for this run, and its report entry to the
     /// node; called before `finish`.
     std::function<void(const Payload& result, const nlohmann::ordered_json& entry)> resume;

@@ -370,7 +370,7 @@ private:
                         return Payload(
                             Node::digest(*params, *static_cast<const Ports*>(ports), context));
                     };
-                    out.consume = [params, node](const Payload& digest, Context& context) {
+                    out.add_digest = [params, node](const Payload& digest, Context& context) {
                         node->add(*params, digest.as<Digest>(), context);
                     };
                 } else {

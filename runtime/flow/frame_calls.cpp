@@ -102,7 +102,7 @@ bool FrameCalls::take(BodyHost& host, const FrameRun& frame) {
     const auto& behaviour = bodies_.behaviour(host.node);
     if (!behaviour.digest) return bodies_.call(host, &frame, Phase::consume, behaviour.add);
     return bodies_.call_without_ports(host, frame, Phase::consume, [&](Context& context) {
-        behaviour.consume(frame.outputs[host.node].at(0), context);
+        behaviour.add_digest(frame.outputs[host.node].at(0), context);
     });
 }
 

@@ -33,7 +33,7 @@ void OnceCalls::once(std::size_t n, bool target) {
         });
         if (behaviour.add && connected) behaviour.add(ports, context);
         if (behaviour.digest && connected)
-            behaviour.consume(behaviour.digest(ports, context), context);
+            behaviour.add_digest(behaviour.digest(ports, context), context);
         if (behaviour.finish) finish_from_cached(host, ports, context);
         if (behaviour.run) behaviour.run(ports, context);
         held_[n] = io_.collect(n, ports);

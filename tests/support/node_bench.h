@@ -67,12 +67,12 @@ public:
     Payload digest(const Inputs& inputs, Context context = {}) const {
         return behaviour_.digest(ports(inputs).get(), context);
     }
-    void consume(const Payload& digest, Context context = {}) {
-        behaviour_.consume(digest, context);
+    void add_digest(const Payload& digest, Context context = {}) {
+        behaviour_.add_digest(digest, context);
     }
     /// By way of the digest if there is one.
     void add(const Inputs& inputs, Context context = {}) {
-        if (behaviour_.digest) consume(digest(inputs, context), context);
+        if (behaviour_.digest) add_digest(digest(inputs, context), context);
         else behaviour_.add(ports(inputs).get(), context);
     }
     void resume(const Payload& result, const nlohmann::ordered_json& entry) {

@@ -94,7 +94,7 @@ inline Solved solve(NodeType type, const std::string& yaml,
         auto context = Context(out.listener, frames).limits(otherwise.limits);
         if (adds > 1) context.at(t);
         const auto digest = bench.digest(inputs, context);
-        bench.consume(otherwise.digest ? otherwise.digest(digest) : digest, context);
+        bench.add_digest(otherwise.digest ? otherwise.digest(digest) : digest, context);
     }
     if (otherwise.before) bench.resume(Payload(otherwise.before), otherwise.reported);
     const auto context = Context(out.listener, frames).limits(otherwise.limits);

@@ -96,8 +96,8 @@ TEST_CASE("an automatic range needs of a frame its ends, from a file as from the
             CHECK(each[1].high == 7);
             CHECK(static_cast<std::size_t>(std::isfinite(each[0].low) +
                                            std::isfinite(each[1].low)) == finite);
-            fresh.consume(digest);
-            again.consume(filed(digest));
+            fresh.add_digest(digest);
+            again.add_digest(filed(digest));
         }
         fresh.finish();
         again.finish();
@@ -142,10 +142,10 @@ TEST_CASE("a fitted box needs of a frame where its grid is, from a file as from 
     CHECK(back->name == "density");
     CHECK(back->voxels == CoordBBox(Coord(0, 1, 2), Coord(5, 1, 3)));
     CHECK(*back->transform == grid->transform());
-    fresh.consume(filed(digest));
+    fresh.add_digest(filed(digest));
     CHECK(fresh.gathered({}).at("lattice").as<Lattice>()->shape == std::array{2, 6, 1});
 
-    empty.consume(filed(empty.digest({{"fit", {any(FloatGrid::create())}}})));
+    empty.add_digest(filed(empty.digest({{"fit", {any(FloatGrid::create())}}})));
     CHECK(failure_of([&] { empty.gathered({}); }) ==
           "the grid to fit has no active voxels in any frame; state 'min', 'max' and 'spacing' "
           "instead");
