@@ -132,10 +132,9 @@ struct Box {
         if (in->voxels.empty()) return;
         if (!in->transform->isLinear())
             throw Failure(
-                fmt::format("grid '{}' has voxels of varying shape ({}) in frame {}; a box "
-                            "fits voxels of one "
-                            "shape, as grid.resample makes them: or state 'min', 'max' and "
-                            "'spacing' instead",
+                fmt::format("grid '{}' has voxels of varying shape ({}) in frame {}; a box fits "
+                            "voxels of one shape, as grid.resample makes them: or state 'min', "
+                            "'max' and 'spacing' instead",
                             in->name, in->transform->mapType(), context.frame()));
         voxels_.require(fmt::format("grid '{}'", in->name), *in->transform, context.frame());
         name_ = in->name;
@@ -202,9 +201,8 @@ NodeType lattice_box() {
                         "A straight lattice, given by its corners or fitted around the active "
                         "voxels of a grid over all frames.")
         .input("fit", &Box::Ports::fit,
-               "A grid, or a list. The lattice gets a vertex at each voxel of the first one, "
-               "in the "
-               "box around the active voxels of all, over all frames. Replaces min, max and "
+               "A grid, or a list. The lattice gets a vertex at each voxel of the first one, in "
+               "the box around the active voxels of all, over all frames. Replaces min, max and "
                "spacing.")
         .param("min", &Box::Params::min, Unit::world, any_number(), "Position of the first vertex.")
         .param("max", &Box::Params::max, Unit::world, any_number(),
@@ -302,8 +300,7 @@ NodeType lattice_build() {
                   "shares of how wide `content` is along `u`, [-150%, 150%].")
         .required("extent_v", &Params::extent_v, Unit::world, any_number(),
                   "The same along `v`; shares count how wide it is along `v`. On the first plane, "
-                  "`v` is the rig's `up`, made orthogonal "
-                  "to the rig.")
+                  "`v` is the rig's `up`, made orthogonal to the rig.")
         .param("flip_u", &Params::flip_u,
                "Reverses `u`. Otherwise `u` is `v x w` (right-handed): it points outwards on a "
                "circle, and inwards on a loop that runs counter-clockwise seen from `up`.")

@@ -11,7 +11,6 @@ namespace fluidcarve {
 namespace {
 
 using openvdb::Coord;
-
 using openvdb::Vec3d;
 
 /// Limit of the curvature: that of a ball with a radius of one voxel, 1 / voxel.

@@ -80,8 +80,7 @@ void SameVoxels::require(const std::string& what, const openvdb::math::Transform
     } else if (!same_voxels(*transform_, transform)) {
         throw Failure(
             fmt::format("{} has {} in frame {}, but {} in frame {}: no lattice fits both; bake the "
-                        "sequence with a fixed domain, or make its "
-                        "voxels alike with grid.resample",
+                        "sequence with a fixed domain, or make its voxels alike with grid.resample",
                         what, place_text(*transform_), frame_, place_text(transform), frame));
     }
 }

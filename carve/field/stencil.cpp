@@ -33,8 +33,8 @@ template <class Grid>
         if (all)
             throw Failure(
                 fmt::format("grid '{}' has values of up to {:.3g}, so large that what is computed "
-                            "from them at voxel [{}] has no number: make them "
-                            "smaller with field.ax",
+                            "from them at voxel [{}] has no number: make them smaller with "
+                            "field.ax",
                             grid.getName(), most, numbers_text(beside)));
     }
     const auto at = lowest.value_or(beside);

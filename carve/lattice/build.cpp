@@ -91,8 +91,7 @@ private:
         if (all <= most) return;
         throw Failure(fmt::format(
             "a spacing of {:g} makes {:.0f} x {:.0f} x {} vertices, which take {:.0f} GB in each "
-            "frame; take about the size of a voxel, and "
-            "{:.2g} at least",
+            "frame; take about the size of a voxel, and {:.2g} at least",
             spec_.spacing, i, j, planes, 2e-9 * all, spec_.spacing * std::cbrt(all / most)));
     }
 

@@ -62,8 +62,7 @@ std::string ExtensionFaults::fault() const {
            (around_
                 ? ": part of what is pushed there is lost; insert fewer seams, or lower `radius`"
                 : ": part of what is pushed there is lost; insert fewer seams, or turn the lattice "
-                  "around with its `flip_u` or its rig's `up`, so that it "
-                  "grows to the other side");
+                  "around with its `flip_u` or its rig's `up`, so that it grows to the other side");
 }
 
 }  // namespace fluidcarve

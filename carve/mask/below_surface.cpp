@@ -22,9 +22,7 @@ namespace fluidcarve {
 namespace {
 
 using openvdb::Coord;
-
 using openvdb::CoordBBox;
-
 using openvdb::Vec3d;
 
 using Leaf = openvdb::MaskTree::LeafNodeType;

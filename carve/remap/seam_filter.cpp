@@ -27,9 +27,7 @@ namespace fluidcarve {
 namespace {
 
 using openvdb::Coord;
-
 using openvdb::CoordBBox;
-
 using openvdb::Vec3d;
 
 /// Filter weights along one axis, from the farthest voxel below to the farthest above: one mean, or

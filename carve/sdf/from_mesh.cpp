@@ -23,7 +23,6 @@ namespace fluidcarve {
 namespace {
 
 using openvdb::Vec3I;
-
 using openvdb::Vec3s;
 
 constexpr double most_voxels = 1e9;

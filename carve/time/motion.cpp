@@ -100,8 +100,8 @@ float sample(const Numbers& of, const Box& box, const std::array<float, 3>& at) 
     return a + part[0] * (b - a);
 }
 
-/// Smooths by a Gaussian, along each axis in turn; the border is repeated beyond the box. @param
-/// deviation  voxels
+/// Smooths by a Gaussian, along each axis in turn; the border is repeated beyond the box.
+/// @param deviation  voxels
 void smooth(Numbers& values, const Box& box, float deviation) {
     const int radius = static_cast<int>(std::ceil(3 * deviation));
     std::vector<float> weights;

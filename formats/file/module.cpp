@@ -20,8 +20,7 @@ const void* open_module(const std::string& name, const std::string& package) {
     if (!fs::exists(path))
         throw Failure(
             fmt::format("the module '{0}' is missing: there is no {1}; unpack the archive '{0}' of "
-                        "this version over fluidcarve's, or install {2} "
-                        "and build fluidcarve again",
+                        "this version over fluidcarve's, or install {2} and build fluidcarve again",
                         name, path, package));
     // Symbols are looked up in all libraries that are opened together: hundreds behind a module.
     // If the libraries are opened one by one before it, beginning with those that need no other,

@@ -157,8 +157,7 @@ void require_columns(const SeamGrids& grids, const Seams& seams) {
     if (!fits_grids(columns, all.size(), sizeof(std::uint16_t), held))
         throw wrong_seams(
             fmt::format("the shape states {} columns, but the grids hold them in tiles or shared "
-                        "trees of {} bytes; write each column of each "
-                        "grid as a voxel of its own",
+                        "trees of {} bytes; write each column of each grid as a voxel of its own",
                         columns, held));
 }
 
@@ -295,8 +294,8 @@ void require_checksum(const openvdb::MetaMap& metadata, const Seams& seams) {
         seam_text(metadata, checksum_name, "the file") != seam_checksum(seams))
         throw wrong_seams(
             fmt::format("the file is damaged or was changed: its content does not match its "
-                        "checksum; write it again, or remove the metadata "
-                        "'{}' if you changed it on purpose",
+                        "checksum; write it again, or remove the metadata '{}' if you changed it "
+                        "on purpose",
                         checksum_name));
 }
 

@@ -70,8 +70,8 @@ void require_points(const std::vector<FloatGrid::ConstPtr>& grids,
     if (!fits_grids(count, grids.size(), sizeof(float), held))
         throw wrong_seams(
             fmt::format("the warp has {} points in each of {} grids, but these hold them in tiles "
-                        "or shared trees of {} bytes; write each point of "
-                        "each grid as a voxel of its own",
+                        "or shared trees of {} bytes; write each point of each grid as a voxel of "
+                        "its own",
                         count, grids.size(), held));
 }
 

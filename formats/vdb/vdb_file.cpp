@@ -274,8 +274,8 @@ private:
         if (!is_known_tree(grid.gridType()))
             refuse(fmt::format(
                 "{} was written as a stream, where only the tree of a grid says where it ends, and "
-                "grid '{}' is of type {}, which OpenVDB {} "
-                "does not know: write the file with openvdb::io::File",
+                "grid '{}' is of type {}, which OpenVDB {} does not know: write the file with "
+                "openvdb::io::File",
                 path_, shown(grid), grid.gridType(), openvdb::getLibraryVersionString()));
         const auto tree_at = tree_place(grid);
         grid.setBlockPos(tree_at);

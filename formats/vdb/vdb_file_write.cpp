@@ -57,8 +57,8 @@ std::uint32_t flags_for(const std::vector<openvdb::GridBase::ConstPtr>& grids, C
         if (raw->compression() != flags_of_grid(out, *grid))
             throw Failure(
                 fmt::format("cannot write {}: grid '{}' is of type {}, which OpenVDB does not "
-                            "know, and can't be compressed again; set "
-                            "'compression: as_read', or leave it out",
+                            "know, and can't be compressed again; set 'compression: as_read', or "
+                            "leave it out",
                             path, grid->getName(), grid->type()));
     }
     return out;

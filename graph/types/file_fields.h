@@ -45,8 +45,7 @@ inline constexpr std::array common_fields{
     FileField{"type", "What the node does; `fluidcarve nodes` lists all types."},
     FileField{"cache",
               "Whether results are kept in the work folder; for a writer, whether files that are "
-              "up to date stay as they "
-              "are. Left out: results are kept where that saves time."},
+              "up to date stay as they are. Left out: results are kept where that saves time."},
     FileField{"doc", "A note for readers."}};
 
 /// The field of this name, or null.

@@ -50,8 +50,8 @@ void check(const PluginHeader& header, const std::string& file, const Registry& 
     if (header.node_type != sizeof(NodeType))
         throw Failure(
             fmt::format("the plugin {} was built with fluidcarve {} where a node type takes {} "
-                        "bytes, but here it takes {}; {}, and with the same "
-                        "options for the standard library",
+                        "bytes, but here it takes {}; {}, and with the same options for the "
+                        "standard library",
                         file, header.version, header.node_type, sizeof(NodeType), again));
     const std::string family = header.family ? header.family : "";
     if (!can_name_a_family(family))
@@ -132,9 +132,8 @@ std::string refusal(const std::string& as_written, const fs::path& file, const P
     }
     return fmt::format(
         "the plugin {} is not loaded: it is code that would run with your rights, and {}; if you "
-        "trust {}, give --allow-plugins, or name "
-        "a folder that holds it, and that only you may write to, in the environment variable "
-        "FLUIDCARVE_PLUGINS",
+        "trust {}, give --allow-plugins, or name a folder that holds it, and that only you may "
+        "write to, in the environment variable FLUIDCARVE_PLUGINS",
         as_written, why, file.string());
 }
 

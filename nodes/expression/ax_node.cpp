@@ -44,8 +44,8 @@ std::string to_text(const Mark& mark) {
 
 const char* const ax_inputs_doc =
     "Grids by name, all with the same transform: `{d: sim.density, vel: sim.velocity}`. The "
-    "program reads a float grid or a mask (1 and 0) as `@d`, a vector "
-    "grid as `v@vel`. Staggered vectors are collocated first.";
+    "program reads a float grid or a mask (1 and 0) as `@d`, a vector grid as `v@vel`. Staggered "
+    "vectors are collocated first.";
 const char* const ax_params_doc =
     "Constants by name, numbers or [x, y, z]: `{gain: 2}`. The program reads a number as `$gain`, "
     "a vector as `v$name`.";
@@ -53,16 +53,14 @@ const char* const ax_params_doc =
 std::string ax_code_doc(const std::string& output) {
     return fmt::format(
         "A program in OpenVDB AX that runs for each voxel: `float speed = length(v@vel); {0} = "
-        "$gain * speed + abs(@d);`. {0} is 0 until the program writes "
-        "it. Variables may be float, vec3f, int, bool, double, vec3d, vec3i or int64. "
-        "getvoxelpws() is the voxel's position in the world, as in `vec3d p = "
-        "getvoxelpws(); {0} = max(p.z, 0.0);`; getcoordx(), getcoordy() and getcoordz() are its "
-        "index. `@Frame` or `$F` is the frame's number, `@Time` is "
-        "(frame - 1) / fps in seconds, with "
-        "`fps` from the params, or 24. A program can't read neighbouring voxels: use "
-        "field.gradient or field.curl as inputs. Loops must count to a stated end, rand() needs a "
-        "seed, and a whole number may only be divided by a value "
-        "that can't be 0.",
+        "$gain * speed + abs(@d);`. {0} is 0 until the program writes it. Variables may be float, "
+        "vec3f, int, bool, double, vec3d, vec3i or int64. getvoxelpws() is the voxel's position in "
+        "the world, as in `vec3d p = getvoxelpws(); {0} = max(p.z, 0.0);`; getcoordx(), "
+        "getcoordy() and getcoordz() are its index. `@Frame` or `$F` is the frame's number, "
+        "`@Time` is (frame - 1) / fps in seconds, with `fps` from the params, or 24. A program "
+        "can't read neighbouring voxels: use field.gradient or field.curl as inputs. Loops must "
+        "count to a stated end, rand() needs a seed, and a whole number may only be divided by a "
+        "value that can't be 0.",
         output);
 }
 

@@ -17,8 +17,8 @@ std::optional<std::string> extent_fault(const char* name, const RigExtent& exten
                                         const Auto<double>& spacing) {
     if (extent.high == extent.low)
         return fmt::format(
-            "'{}' is {}, which is empty; for a single vertex, as for images, "
-            "state less than one spacing{}",
+            "'{}' is {}, which is empty; for a single vertex, as for images, state less than one "
+            "spacing{}",
             name, to_text(extent),
             spacing && !extent.percent
                 ? ": " + to_text(RigExtent{extent.low, extent.low + *spacing / 2, false})

@@ -132,9 +132,9 @@ void LatticeNode::warn_of_overlap(const LatticeSpec& spec, OnFold on_fold,
     warn_or_fail(
         on_fold, context,
         fmt::format("{} voxels, as large as the spacing, lie in several cells{}, most of them "
-                    "between planes {} and {}, since the lattice overlaps "
-                    "itself; each is carved only in the cell of the lowest plane: reduce {}, or "
-                    "keep the parts of the rig further apart",
+                    "between planes {} and {}, since the lattice overlaps itself; each is carved "
+                    "only in the cell of the lowest plane: reduce {}, or keep the parts of the rig "
+                    "further apart",
                     most->voxels, in_frame(context, t), most->plane,
                     (most->plane + 1) % built_[t].lattice.shape[2],
                     spec.around ? "'radius'" : "the extents"));

@@ -58,8 +58,8 @@ std::vector<std::vector<double>> read_pace_curve(const std::string& path) {
     }
     if (out.empty())
         file.fault_in_all(
-            "there are no points in it: a curve needs at least one line of two "
-            "numbers, the frame and the frame of the source");
+            "there are no points in it: a curve needs at least one line of two numbers, the frame "
+            "and the frame of the source");
     return out;
 }
 

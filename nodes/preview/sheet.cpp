@@ -299,18 +299,17 @@ NodeType preview_sheet() {
             "Direction of view, an index axis of the grid. Up is z, or y if the view is along z.")
         .param(
             "show", &Sheet::Params::show,
-            "How to show `before`, `after` and their difference: `maximum` along the axis, "
-            "`slice` across it, or `both`; or a list, such as `[render, slice]`, whose rows "
-            "follow each other in that order. A maximum hides all that is lost beside the "
-            "highest value of each line of sight: look at a render first. `render` shows "
-            "`before` and `after` as smoke, lit from the upper left with shadows, and as "
-            "glowing fire. A grid named `flame`, `temperature` or `heat` is fire, a level set is "
-            "the surface of water, lit at a low angle so that waves show, a channel of a picture "
-            "is the whole picture in its colours, any other grid is smoke; smoke is shown with the "
-            "volume's `flame`, fire with its `density`. All "
-            "renders share one exposure: the highest values of `before` in the frames shown are "
-            "the thickest smoke and the brightest fire; so the grids of these frames stay in "
-            "memory until the last one. Energy and seams are always a slice.")
+            "How to show `before`, `after` and their difference: `maximum` along the axis, `slice` "
+            "across it, or `both`; or a list, such as `[render, slice]`, whose rows follow each "
+            "other in that order. A maximum hides all that is lost beside the highest value of "
+            "each line of sight: look at a render first. `render` shows `before` and `after` as "
+            "smoke, lit from the upper left with shadows, and as glowing fire. A grid named "
+            "`flame`, `temperature` or `heat` is fire, a level set is the surface of water, lit at "
+            "a low angle so that waves show, a channel of a picture is the whole picture in its "
+            "colours, any other grid is smoke; smoke is shown with the volume's `flame`, fire with "
+            "its `density`. All renders share one exposure: the highest values of `before` in the "
+            "frames shown are the thickest smoke and the brightest fire; so the grids of these "
+            "frames stay in memory until the last one. Energy and seams are always a slice.")
         .param("slice", &Sheet::Params::slice, Unit::voxels, any_number(),
                "Position of slices: the index coordinate along the axis. Auto: the middle of the "
                "active voxels of `before` in the frames shown; grids to slice then stay in memory "

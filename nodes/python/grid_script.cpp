@@ -18,8 +18,8 @@ using Json = nlohmann::json;
 
 const char* const python_inputs_doc =
     "Grids by name, all with the same transform: `{d: sim.density, vel: sim.velocity}`. The "
-    "function gets each as an argument of that name: its `dense()`, "
-    "`values` or `leaves` are arrays of numpy. Staggered vectors are collocated first.";
+    "function gets each as an argument of that name: its `dense()`, `values` or `leaves` are "
+    "arrays of numpy. Staggered vectors are collocated first.";
 
 void GridScript::check(const PythonParams& params, const std::string& function, NodeCheck& check) {
     if (check.stated("inputs") && check.connections("inputs") == 0)

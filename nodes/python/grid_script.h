@@ -74,10 +74,9 @@ Declaration& declare_grid_script(Declaration& node) {
     return declare_python(node).param(
         "halo", &GridScriptParams::halo, Unit::voxels, between(0, 512),
         "Calls the function for blocks of at most 64 x 64 x 64 voxels, each with all voxels that "
-        "are so near to it, and takes of "
-        "its result only the block. So a "
-        "frame may be larger than memory holds as an array. The function must not look farther. "
-        "Auto: the whole frame at once.");
+        "are so near to it, and takes of its result only the block. So a frame may be larger than "
+        "memory holds as an array. The function must not look farther. Auto: the whole frame at "
+        "once.");
 }
 
 }  // namespace fluidcarve

@@ -73,8 +73,7 @@ Declaration& declare_python(Declaration& node) {
                "them.")
         .param("python", &PythonParams::python,
                "The interpreter, Python 3.9 or newer with numpy: a path, or a name on PATH. Auto: "
-               "that of the environment variable FLUIDCARVE_PYTHON, else "
-               "`python3`.")
+               "that of the environment variable FLUIDCARVE_PYTHON, else `python3`.")
         .param(
             "timeout", &PythonParams::timeout, Unit::none, at_least(0.1),
             "Seconds that a call may take. After that the script is stopped, and the frame fails.")

@@ -181,8 +181,7 @@ NodeType seam_python() {
         "at most 1 between neighbours. With a `field`, and neither `static` nor `cost: backward`, "
         "a function `seam(energy, field, at)` also gets what is seen, [t, k, j, vertex]. Where "
         "seams are thick, an entry is the slab that begins there, so that `field` is longer. Of "
-        "seams "
-        "of frames (`axis: t`) arrays are [i, k, j, frame].");
+        "seams of frames (`axis: t`) arrays are [i, k, j, frame].");
     return declare_python(declare_solver(node));
 }
 

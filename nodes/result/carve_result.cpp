@@ -302,10 +302,9 @@ void warn_of_mass(const GridResults& grids, const Context& context) {
     if (!changes.empty())
         context.warn(
             fmt::format("the carve changed the mass by far more or less than even scaling to the "
-                        "same size: {}; carve less (`count` of seams, `amount` of a "
-                        "warp), keep the carve off the content "
-                        "(`protect` of the solver), or "
-                        "keep the mass of densities (`conserve`)",
+                        "same size: {}; carve less (`count` of seams, `amount` of a warp), keep "
+                        "the carve off the content (`protect` of the solver), or keep the mass of "
+                        "densities (`conserve`)",
                         fmt::join(changes, "; ")));
 }
 

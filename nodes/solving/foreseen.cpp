@@ -18,8 +18,8 @@ namespace {
 std::string placement_fault(const Region& energy, const Region* lattice) {
     if (energy.boxes.empty())
         return "by their headers, the files that `energy` comes from have no active voxels in any "
-               "frame: there is nothing to carve; choose another grid under "
-               "`grids` of their reader, `fluidcarve inspect` lists them";
+               "frame: there is nothing to carve; choose another grid under `grids` of their "
+               "reader, `fluidcarve inspect` lists them";
     if (!lattice || lattice->boxes.empty() || meet(energy.boxes, lattice->boxes)) return {};
     const auto better = std::ranges::find_if(
         lattice->otherwise,

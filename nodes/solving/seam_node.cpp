@@ -20,8 +20,8 @@ namespace {
 std::string half_size_note(const CarvedSpace& space) {
     return fmt::format(
         "solves at half size, since a frame of the lattice has {} vertices: seams come in pairs, "
-        "side by side; `finest: 1` solves at full size, and "
-        "takes about 16 times the memory and time",
+        "side by side; `finest: 1` solves at full size, and takes about 16 times the memory and "
+        "time",
         fmt::join(space.lattices().front()->shape, " x "));
 }
 

@@ -40,8 +40,8 @@ std::string out_of_memory(Phase phase, std::size_t frames, const MemoryNow& memo
         "out of memory {}: {}", doing,
         crowded ? fmt::format("{} frames were in flight; try a smaller --in-flight", frames)
                 : fmt::format("it wanted more in one piece than is free ({} held by the run, {} "
-                              "free); give it a smaller volume or a coarser "
-                              "lattice, or the run more memory",
+                              "free); give it a smaller volume or a coarser lattice, or the run "
+                              "more memory",
                               size_text(memory.held), size_text(memory.free)));
 }
 

@@ -233,13 +233,11 @@ private:
         section("Nodes");
         out_ +=
             "<p class=\"muted\">Time is the sum over all frames and threads. Memory is the largest "
-            "result of a frame, files are what the node has "
-            "written.</p>\n"
+            "result of a frame, files are what the node has written.</p>\n"
             "<div class=\"scroll\"><table class=\"wide\"><thead><tr><th>node</th><th "
-            "class=\"number\">frames</th><th class=\"number\">from earlier runs</th>"
-            "<th class=\"number\">time</th><th></th><th class=\"number\">a frame</th><th "
-            "class=\"number\">memory</th><th "
-            "class=\"number\">files</th></tr></thead><tbody>\n";
+            "class=\"number\">frames</th><th class=\"number\">from earlier runs</th><th "
+            "class=\"number\">time</th><th></th><th class=\"number\">a frame</th><th "
+            "class=\"number\">memory</th><th class=\"number\">files</th></tr></thead><tbody>\n";
         double most = 0;
         for (const auto& [name, node] : run_.report.at("nodes").items())
             most = std::max(most, node.at("wall_s").get<double>());

@@ -67,8 +67,7 @@ std::string step_script(const FarmJob& job, const FarmStep& step) {
 std::string submit_program(const FarmJob& job) {
     auto out = fmt::format(
         "#!/usr/bin/env bash\n# Submits the steps of {} to Slurm, as {} wrote them. Options are "
-        "handed to every sbatch: `submit --partition=fx`.\nset -euEo "
-        "pipefail\n",
+        "handed to every sbatch: `submit --partition=fx`.\nset -euEo pipefail\n",
         one_line(job.pipeline), job_mark);
     auto status = job.prefix;
     status.insert(status.end(), {job.executable, "status", "--work", job.work});

@@ -151,9 +151,8 @@ void DraftText::image() {
     masks("energy");
     box("energy");
     comment(
-        "Seams pay for the edges that they leave in the picture, and little for what is black: "
-        "a black background goes first, a black object mostly "
-        "stays.");
+        "Seams pay for the edges that they leave in the picture, and little for what is black: a "
+        "black background goes first, a black object mostly stays.");
     solver(
         {{"field", "edges.intensity"}, {"field_weight", "5"}, {"spread", "1"}, {"empty", "0.2"}});
     carve("carved", "remap.grids", "sim", {{"soft", "1"}});

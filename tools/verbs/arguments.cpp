@@ -217,8 +217,8 @@ void declare_work_folder(CLI::App& verb, std::string& folder, const std::string&
 void PipelineArguments::declare(CLI::App& verb) {
     verb.add_option("pipeline", path,
                     "Pipeline file (YAML). Its relative inputs are looked for in the folder of the "
-                    "file that states them, then in the current folder; "
-                    "those of --set in the current folder. Its outputs go to the current folder")
+                    "file that states them, then in the current folder; those of --set in the "
+                    "current folder. Its outputs go to the current folder")
         ->required()
         ->type_name("PIPELINE");
     verb.add_option("--set", settings,

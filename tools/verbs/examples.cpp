@@ -27,8 +27,8 @@ void add_examples(CLI::App& app) {
          "cached results"},
         {"check",
          "  fluidcarve check shot.yaml\n  fluidcarve check theirs.yaml --confine /shots/sh010\n  "
-         "fluidcarve check shot.yaml -v        where each value comes "
-         "from, and where the files lie"},
+         "fluidcarve check shot.yaml -v        where each value comes from, and where the files "
+         "lie"},
         {"plan", "  fluidcarve plan shot.yaml --set look.weights='[0.4, 0.6]'"},
         {"farm",
          "  fluidcarve farm local shot.yaml -j 4\n"
@@ -69,8 +69,7 @@ void add_examples(CLI::App& app) {
          "fluidcarve nodes acme.sparkle --plugin build/acme_sparkle.so"},
         {"new-node",
          "  fluidcarve new-node acme.sparkle\n  fluidcarve new-node acme.straight --solver "
-         "--folder /shows/ab/straight\n  fluidcarve new-node acme.glow "
-         "--python"},
+         "--folder /shows/ab/straight\n  fluidcarve new-node acme.glow --python"},
         {"schema",
          "  fluidcarve schema > schema.json      named in a pipeline's first line:\n"
          "  # yaml-language-server: $schema=schema.json"},

@@ -84,8 +84,8 @@ std::vector<std::string> warnings_of(const CarvedMesh& carved) {
     if (const auto& strain = carved.torn; strain.share > 0)
         out.push_back(
             fmt::format("{} of the faces cross a rim of the lattice, and only the part inside the "
-                        "lattice moves, by {:.0f} vertices at most: they are "
-                        "stretched or folded there; make the lattice larger, or set `rim: fade`",
+                        "lattice moves, by {:.0f} vertices at most: they are stretched or folded "
+                        "there; make the lattice larger, or set `rim: fade`",
                         share_text(strain.share), std::ceil(strain.worst)));
     return out;
 }

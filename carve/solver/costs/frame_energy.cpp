@@ -156,8 +156,8 @@ void require_frame_fits(const FrameGrids& grids, const Lattice& lattice, std::ui
     while (!grid_fits(bytes(fits), budget)) fits *= wider;
     throw Failure(
         fmt::format("at a 'spacing' of {:.6g} the lattice has {} vertices, which take {} in each "
-                    "frame, but --memory allows {}; the voxels of "
-                    "`energy` are {:.6g} wide: a 'spacing' of {:.6g} fits",
+                    "frame, but --memory allows {}; the voxels of `energy` are {:.6g} wide: a "
+                    "'spacing' of {:.6g} fits",
                     lattice.spacing, fmt::join(lattice.shape, " x "),
                     size_text(static_cast<std::uint64_t>(wanted)), size_text(budget), voxel, fits));
 }

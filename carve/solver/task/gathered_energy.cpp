@@ -127,8 +127,8 @@ void GatheredEnergy::require_met() const {
     if (content_.voxels > 0 && content_.inside == 0)
         throw Failure(
             fmt::format("the lattice misses the energy: its {}, but the active voxels span {}; "
-                        "move the lattice (its rig, or `min` and `max`) or the "
-                        "data (`translate` and `scale` of its reader)",
+                        "move the lattice (its rig, or `min` and `max`) or the data (`translate` "
+                        "and `scale` of its reader)",
                         lattices_.front()->description, box_text(active_box_)));
 }
 
@@ -149,8 +149,8 @@ std::vector<std::string> GatheredEnergy::warnings() const {
     if (lowest_ == highest_ && !has_field_ && !marks_.protect && !marks_.attract)
         out.push_back(fmt::format(
             "`energy` is {:g} at all vertices of the lattice in all frames: a seam costs the same "
-            "wherever it goes, and will go anywhere; "
-            "connect an energy that is high where the look must stay, such as energy.gradient",
+            "wherever it goes, and will go anywhere; connect an energy that is high where the look "
+            "must stay, such as energy.gradient",
             decode_energy(lowest_)));
     return out;
 }

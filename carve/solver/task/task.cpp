@@ -144,8 +144,8 @@ void require_ends(const SolverParams& params, const LatticeForm& form) {
     if (form.closed && params.axis == Axis::w && !params.pair_window)
         throw Failure(
             "the rig is closed, so that w has no end to take from or to add to: give a `window` "
-            "and a `pair_window` beside it, between which the content moves "
-            "round, or leave the rig open (`closed: false`)");
+            "and a `pair_window` beside it, between which the content moves round, or leave the "
+            "rig open (`closed: false`)");
     if (!form.around || params.axis == Axis::t) return;
     if (params.axis == Axis::v)
         throw Failure(
@@ -158,8 +158,7 @@ void require_ends(const SolverParams& params, const LatticeForm& form) {
     if (params.anchor != Anchor{})
         throw Failure(
             fmt::format("anchor {} would move the rig, which the lattice goes around and where all "
-                        "its columns meet: leave `anchor` out, so that the "
-                        "rig stays in place",
+                        "its columns meet: leave `anchor` out, so that the rig stays in place",
                         to_text(params.anchor)));
 }
 
