@@ -1,6 +1,8 @@
 #include "nodes/expression/ax_node.h"
 
 #include "formats/file/module.h"
+#include "graph/types/context.h"
+#include "graph/types/node_check.h"
 #include "nodes/expression/evaluate.h"
 
 #include <fmt/format.h>
