@@ -13,7 +13,7 @@ FrameCalls::FrameCalls(const FlowSetup& setup, BodyCalls& bodies, CachedResults&
       results_(results),
       wiring_(wiring),
       io_{setup.pipeline, setup.registry},
-      gathered_{std::vector<std::size_t>(setup.pipeline.nodes.size()),
+      consumed_{std::vector<std::size_t>(setup.pipeline.nodes.size()),
                 std::vector<std::vector<int>>(setup.pipeline.nodes.size())} {}
 
 bool FrameCalls::hopeless(std::size_t n, const FrameRun& frame) const {
@@ -76,7 +76,7 @@ void FrameCalls::digest(std::size_t n, FrameRun& frame) {
 
 void FrameCalls::consume(std::size_t n, FrameRun& frame, bool finishes) {
     if (frame.scheduled.consumes[n] != Consume::none && !consume_scheduled(n, frame, finishes))
-        gathered_.failed[n].push_back(number(frame));
+        consumed_.failed[n].push_back(number(frame));
     wiring_.release(n, frame);
 }
 
@@ -85,7 +85,7 @@ bool FrameCalls::consume_scheduled(std::size_t n, const FrameRun& frame, bool fi
         !setup_.cancelled() && !frame.failed[n] &&
         (frame.scheduled.consumes[n] == Consume::digest || !wiring_.failed_before(n, frame));
     auto host = bodies_.host(n);
-    if (good && finishes) good = take(host, frame);
+    if (good && finishes) good = call_add(host, frame);
     const bool consumed = good && finishes;
     if (!bodies_.behaviour(n).digest) {
         setup_.events.body_ended(Work::consume, n, frame.t, host.seconds(), 0);
@@ -93,12 +93,12 @@ bool FrameCalls::consume_scheduled(std::size_t n, const FrameRun& frame, bool fi
     }
     if (consumed) {
         setup_.events.gathered(n, frame.t);
-        ++gathered_.count[n];
+        ++consumed_.count[n];
     }
     return good;
 }
 
-bool FrameCalls::take(BodyHost& host, const FrameRun& frame) {
+bool FrameCalls::call_add(BodyHost& host, const FrameRun& frame) {
     const auto& behaviour = bodies_.behaviour(host.node);
     if (!behaviour.digest) return bodies_.call(host, &frame, Phase::consume, behaviour.add);
     return bodies_.call_without_ports(host, frame, Phase::consume, [&](Context& context) {

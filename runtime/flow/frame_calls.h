@@ -36,7 +36,7 @@ public:
     void consume(std::size_t n, FrameRun& frame, bool finishes);
 
     /// What was consumed. To be called once, after the last frame.
-    ConsumedFrames gathered() { return std::move(gathered_); }
+    ConsumedFrames consumed() { return std::move(consumed_); }
 
     /// Whether no more frames are to start (Flow::stopped).
     bool stopped() const { return bodies_.stopped() || results_.lost(); }
@@ -51,8 +51,8 @@ private:
     /// Calls a body: tells of it, and keeps its results.
     void call(Work work, std::size_t n, FrameRun& frame, const BodyCalls::Body& body);
     void run_body(std::size_t n, FrameRun& frame, bool target);
-    /// Hands the inputs of a frame, or their digest, to the node.
-    bool take(BodyHost& host, const FrameRun& frame);
+    /// Calls the node's `add` with the inputs of a frame, or with their digest.
+    bool call_add(BodyHost& host, const FrameRun& frame);
     /// @return whether the frame was good
     bool consume_scheduled(std::size_t n, const FrameRun& frame, bool finishes);
 
@@ -61,7 +61,7 @@ private:
     CachedResults& results_;
     const Wiring& wiring_;
     const PortIo io_;
-    ConsumedFrames gathered_;
+    ConsumedFrames consumed_;
 };
 
 }  // namespace fluidcarve

@@ -53,7 +53,7 @@ PassGraph::~PassGraph() {
 ConsumedFrames PassGraph::stream() {
     source_.activate();
     graph_.wait_for_all();
-    return calls_.gathered();
+    return calls_.consumed();
 }
 
 PassGraph::Frame PassGraph::admit(std::size_t order) {

@@ -25,7 +25,7 @@ struct RunTarget {
 struct Pass {
     std::vector<std::size_t> before;     ///< nodes that run once before the frames, in order
     std::vector<std::size_t> per_frame;  ///< nodes that run per frame, in order
-    /// Nodes that take the frames in order and finish after the last.
+    /// Nodes that consume the frames in order and finish after the last.
     std::vector<std::size_t> gathering;
     /// Targets among `per_frame`: they run for the delivered frames.
     std::vector<std::size_t> delivers;
@@ -50,7 +50,7 @@ struct Plan {
     std::vector<std::size_t> gathered_in;  ///< per node: the pass in which it gathers, if it does
 };
 
-/// Whether a node takes frames as digests that later runs find in the work folder, so that many
+/// Whether a node consumes frames as digests that later runs find in the work folder, so that many
 /// runs can make them, each of its own frames.
 bool digests_apart(const Node& node);
 /// Whether a node makes one result of all frames, and later runs find it in the work folder, since

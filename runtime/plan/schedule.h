@@ -16,7 +16,7 @@ struct ScheduleQueries {
     std::function<bool(std::size_t node, std::size_t t)> result;
     /// Whether a gathering node's digest of the frame is cached.
     std::function<bool(std::size_t node, std::size_t t)> digest;
-    /// Whether a gathering node takes the frame.
+    /// Whether a gathering node takes the frame (NodeTraits::takes): only then it consumes it.
     std::function<bool(std::size_t node, std::size_t t)> takes;
     /// Whether a node that delivers per frame has the frame.
     std::function<bool(std::size_t node, std::size_t t)> delivers;
@@ -54,7 +54,7 @@ struct Schedule {
     };
     std::vector<std::vector<Frame>> frames;  ///< `[pass][t]`
     std::vector<Action> once;   ///< per node: for the result of a node that delivers once
-    std::vector<char> gathers;  ///< per node: whether it takes all its frames and finishes
+    std::vector<char> gathers;  ///< per node: whether it consumes all its frames and finishes
 };
 
 /// Decides what each node does in each frame.
@@ -66,7 +66,7 @@ Schedule make_schedule(const Pipeline& pipeline, const Plan& plan,
 struct NodeWork {
     std::size_t frames = 0;  ///< frames that it computes
     std::size_t runs = 0;    ///< the same, but one that two passes compute counts twice
-    /// For a gathering node: frames taken from its inputs, and from cached digests.
+    /// For a gathering node: frames consumed from its inputs, and from cached digests.
     std::size_t consumed_inputs = 0, consumed_digests = 0;
     std::size_t loaded_results = 0;
     bool once = false;  ///< it finishes, or runs once
@@ -81,8 +81,8 @@ std::vector<NodeWork> work_of(const Schedule& schedule);
 /// Indices of the frames in which a node works, over all passes.
 struct NodeFrames {
     std::set<std::size_t> run;               ///< it computes the frame's result
-    std::set<std::size_t> consumed_inputs;   ///< it takes the frame from its inputs
-    std::set<std::size_t> consumed_digests;  ///< it takes the frame from a cached digest
+    std::set<std::size_t> consumed_inputs;   ///< it consumes the frame from its inputs
+    std::set<std::size_t> consumed_digests;  ///< it consumes the frame from a cached digest
 };
 NodeFrames working_frames(const Schedule& schedule, std::size_t node);
 
@@ -93,7 +93,7 @@ struct NodeDemand {
     std::size_t computed = 0;  ///< of these, frames that the run computes; the others are cached
     /// Only the digests of a gathering node are wanted; `needed` and `computed` then count these.
     bool only_digests = false;
-    /// For a gathering node: frames taken from its inputs, and from cached digests.
+    /// For a gathering node: frames consumed from its inputs, and from cached digests.
     std::size_t consumed_inputs = 0, consumed_digests = 0;
 
     std::size_t gathered() const { return consumed_inputs + consumed_digests; }

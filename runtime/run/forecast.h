@@ -19,7 +19,7 @@ struct Forecast {
         std::size_t frames = 0;  ///< frames that the run needs
         std::size_t cached = 0;  ///< frames whose results are cached
         std::string why;         ///< why the node runs; empty if it does not
-        /// For a gathering node: frames that it takes; of these, from cached digests.
+        /// For a gathering node: frames that it consumes; of these, from cached digests.
         std::size_t gathered = 0, consumed_digests = 0;
         std::string item = {};  ///< what its growing result (Growth) holds; empty: it has none
     };

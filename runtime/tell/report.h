@@ -34,7 +34,7 @@ std::string to_text(const NodeFailure& failure);
 
 /// Progress of a node that gathers frames and has not finished.
 struct GatheringProgress {
-    std::size_t frames = 0, of_frames = 0;  ///< frames that it has taken, and that it needs
+    std::size_t frames = 0, of_frames = 0;  ///< frames that it has consumed, and that it needs
     std::size_t items = 0, of_items = 0;    ///< kept items of its growing result (Growth), and the
                                             ///< wanted number; 0 of 0: unknown
 };
@@ -51,9 +51,9 @@ public:
     /// @param t      index in the sequence
     /// @param bytes  size of the result in memory
     void ran(std::size_t node, std::size_t t, double seconds, std::uint64_t bytes);
-    /// A gathering node took one frame from its inputs.
+    /// A gathering node has consumed one frame of its inputs.
     void consumed(std::size_t node, std::size_t t, double seconds, std::uint64_t bytes);
-    /// A gathering node has taken one frame, from its inputs or from a cached digest.
+    /// A gathering node has consumed one frame, from its inputs or from a cached digest.
     void gathered(std::size_t node, std::size_t t);
     /// So many items of a growing result are kept. @param of  the wanted number of items
     void grew(std::size_t node, std::size_t items, std::size_t of);
@@ -91,7 +91,7 @@ public:
 
 private:
     struct Stats {
-        /// Indices of frames: computed; taken from its inputs; from its inputs or from digests.
+        /// Indices of frames: computed; consumed from its inputs; from its inputs or from digests.
         std::set<std::size_t> computed, consumed, gathered;
         std::size_t items = 0, of_items = 0;
         bool finished = false;
