@@ -1,5 +1,5 @@
-#include "carve/base/frame_set.h"
 #include "formats/file/frame_files.h"
+#include "carve/base/frame_set.h"
 #include "formats/file/path_pattern.h"
 #include "tests/support/scratch.h"
 
