@@ -58,6 +58,12 @@ const Node* Pipeline::find(std::string_view name) const {
     return find_or_null(nodes, name, &Node::name);
 }
 
+std::vector<Link> Node::links() const {
+    std::vector<Link> out;
+    for (const auto& input : inputs) out.insert(out.end(), input.begin(), input.end());
+    return out;
+}
+
 std::vector<std::string> Pipeline::node_names() const {
     std::vector<std::string> out;
     for (const auto& node : nodes) out.push_back(node.name);

@@ -6,7 +6,6 @@
 #include "graph/types/registry.h"
 
 #include <memory>
-#include <ranges>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,7 +54,7 @@ struct Node {
     std::vector<Problem> warnings;  ///< warnings of its check
 
     /// The links of all inputs, in order.
-    auto links() const { return inputs | std::views::join; }
+    std::vector<Link> links() const;
 
     /// A path that it writes, with its parameter.
     struct Written {

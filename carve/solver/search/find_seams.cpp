@@ -12,7 +12,6 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
-#include <ranges>
 
 namespace fluidcarve {
 
@@ -29,9 +28,10 @@ std::optional<NoSeam> blocked_seam(const EnergyVolume& energy, Window window, in
             lowest_seam(columns, lowest, Band::whole(columns.count(), window), cost_at);
         if (!emptied) return;
         const auto free_at = [&](std::size_t c) {
-            return static_cast<int>(
-                std::ranges::count_if(std::views::iota(window.first, window.last + 1),
-                                      [&](int entry) { return !std::isinf(cost_at(c, entry)); }));
+            int room = 0;
+            for (int entry = window.first; entry <= window.last; ++entry)
+                room += !std::isinf(cost_at(c, entry));
+            return room;
         };
         std::size_t blocked = 0;
         while (blocked < columns.count() && free_at(blocked) > 0) ++blocked;
