@@ -24,5 +24,5 @@ TEST_CASE("payload types are laid out as the number that plugins are checked aga
     CHECK(sizeof(Seams) == 336);
     CHECK(sizeof(Seams::Seam) == 56);
     CHECK(sizeof(SeamNode::Params) == 176);
-    CHECK(sizeof(SeamNode) == 744);
+    CHECK(sizeof(SeamNode) == 784);
 }
