@@ -1,14 +1,12 @@
 #pragma once
 
 #include "carve/lattice/mapping.h"
+#include "carve/remap/voxels/interpolation.h"
 #include "carve/seam/carve_map.h"
 
 #include <openvdb/openvdb.h>
 
 namespace fluidcarve {
-
-/// How a grid is read between its voxels: from 2^3, 3^3 or 4^3 of them (cubic is Catmull-Rom).
-enum class Interpolation { linear, quadratic, cubic };
 
 /// Carves a grid in any position and orientation relative to the lattice (METHOD 4). A voxel at
 /// `p`, with lattice coordinates `l`, takes its value at `p + G(M(l)) - G(l)`; `G` maps from the

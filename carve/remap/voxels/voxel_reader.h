@@ -5,7 +5,7 @@
 #include "carve/remap/voxels/blend.h"
 #include "carve/remap/voxels/blocks.h"
 #include "carve/remap/voxels/cubic.h"
-#include "carve/remap/voxels/sampled.h"
+#include "carve/remap/voxels/interpolation.h"
 #include "carve/remap/voxels/windows.h"
 
 #include <openvdb/tools/Interpolation.h>
