@@ -10,6 +10,7 @@
 #include <array>
 #include <chrono>
 #include <csignal>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <system_error>
