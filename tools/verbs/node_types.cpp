@@ -8,6 +8,7 @@
 #include "tools/verbs/verb.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <memory>
