@@ -2,6 +2,7 @@
 
 #include "carve/base/failure.h"
 #include "carve/base/words.h"
+#include "carve/volume/volume.h"
 #include "formats/file/full_path.h"
 #include "formats/image/image.h"
 #include "graph/types/node_type.h"

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/base/values.h"
 #include "nodes/preview/sheet_page.h"
 
 #include <array>

@@ -1,6 +1,7 @@
 #include "nodes/python/shared_grids.h"
 
 #include "carve/base/each_in_parallel.h"
+#include "carve/base/failure.h"
 #include "carve/base/words.h"
 #include "carve/field/collocate.h"
 #include "carve/field/dense.h"

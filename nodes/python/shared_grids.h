@@ -1,5 +1,6 @@
 #pragma once
 
+#include "carve/base/values.h"
 #include "carve/volume/volume.h"
 #include "nodes/python/worker.h"
 

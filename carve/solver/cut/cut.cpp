@@ -4,6 +4,7 @@
 #include "carve/solver/cut/cut_region.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 #include <tbb/task_group.h>
 
 #include <algorithm>
