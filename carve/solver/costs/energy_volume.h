@@ -76,7 +76,8 @@ public:
     }
     int spread() const { return spread_; }
 
-    /// Sets the field of frames, from `t` on. The field of the others is 0 until it is set.
+    /// Sets the field of frames, from `t` on. The field of the others is 0 until it is set. To be
+    /// called by one thread at a time: the first call makes the field.
     /// @param codes  field codes, frame after frame, each laid out as its energies
     /// @throws Failure as FrameStore
     void set_field(std::size_t t, std::span<const std::uint16_t> codes);
